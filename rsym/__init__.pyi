@@ -1,4 +1,5 @@
 from . import paper, primitives, surfaces
+from .analysis.conditions import clamped, constant, dirichlet, neumann, robin, supported
 from .analysis.differential import (
     curvature,
     gaussian_curvature,
@@ -10,6 +11,7 @@ from .analysis.differential import (
 )
 from .analysis.latex import latex
 from .analysis.normalisation import implicit, normalise
+from .analysis.structures import SolutionStructure
 from .analysis.transformations import transform
 from .backends.jax_functions import to_jax
 from .backends.kernel import Kernel, compile
@@ -71,6 +73,7 @@ from .output.image_axes import plot_image
 from .output.images import Image
 from .output.joins import plot_continuity
 from .output.models import load_letters, save, save_letters
+from .output.modes import plot_modes
 from .output.patches import compare_patches, plot_patches
 from .output.rendering import render
 from .output.repairs import plot_repair
@@ -78,8 +81,17 @@ from .output.sections import plot_sections, write_sections
 from .output.surfaces import plot_mesh
 from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
+from .output.torsion import plot_torsion
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.elastic import Deformation, elasticity
+from .problems.interpolation import interpolate
+from .problems.solution import Attained, Solution, SolutionReport
+from .problems.solution_structures import solution_structure
+from .problems.solving import solve
+from .problems.spectra import Spectrum, modes
+from .problems.stated import StatedProblem, load_problem
+from .problems.torsion import Torsion, torsion
 from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -89,6 +101,9 @@ from .sampling.fitting import fit
 from .sampling.mesh import Mesh
 from .sampling.mesh_file import MeshFile
 from .sampling.meshing import Mesher, mesh
+from .sampling.rules.integrals import integrate
+from .sampling.rules.measures import MeasureReport, measure
+from .sampling.rules.quadrature import BoundaryQuadrature, Quadrature, quadrature
 from .sampling.samples import Samples, sample
 from .sampling.sections import Section, sections
 from .sampling.sensitivity import Sensitivity, sensitivity
@@ -118,11 +133,14 @@ __all__ = [
     "R0",
     "R1",
     "SIX",
+    "Attained",
     "BodyCover",
     "BodyReport",
+    "BoundaryQuadrature",
     "Camera",
     "ContinuityReport",
     "Curve",
+    "Deformation",
     "DesignTable",
     "FairnessReport",
     "Feature",
@@ -134,11 +152,13 @@ __all__ = [
     "Letter",
     "LevelLines",
     "LintReport",
+    "MeasureReport",
     "Mesh",
     "MeshFile",
     "Mesher",
     "NormalisationReport",
     "Price",
+    "Quadrature",
     "R0m",
     "RAlpha",
     "RepairReport",
@@ -155,10 +175,16 @@ __all__ = [
     "SingularPoint",
     "SmoothnessAtlas",
     "SmoothnessReport",
+    "Solution",
+    "SolutionReport",
+    "SolutionStructure",
+    "Spectrum",
+    "StatedProblem",
     "SystemRow",
     "SystemTable",
     "Threshold",
     "ThresholdCurve",
+    "Torsion",
     "__version__",
     "analytic_condition",
     "arc",
@@ -168,6 +194,7 @@ __all__ = [
     "capsule",
     "cards",
     "circle",
+    "clamped",
     "coil",
     "compare_designs",
     "compare_patches",
@@ -175,17 +202,20 @@ __all__ = [
     "compile",
     "cone",
     "conjunction",
+    "constant",
     "continuity",
     "corner_curvatures",
     "curvature",
     "cyclic",
     "cylinder",
     "difference",
+    "dirichlet",
     "disc",
     "disjunction",
     "displacement_blend",
     "double_cone",
     "dumps",
+    "elasticity",
     "ellipse",
     "ellipsoid",
     "enclose",
@@ -212,6 +242,8 @@ __all__ = [
     "hessian",
     "implication",
     "implicit",
+    "integrate",
+    "interpolate",
     "joining",
     "kaleidoscope",
     "lambdify",
@@ -223,14 +255,18 @@ __all__ = [
     "lint",
     "load",
     "load_letters",
+    "load_problem",
     "loads",
     "mean_curvature",
+    "measure",
     "mesh",
     "mirror_group",
     "mirrored",
+    "modes",
     "nappe",
     "negation",
     "neovius",
+    "neumann",
     "normalise",
     "offset",
     "paper",
@@ -245,17 +281,20 @@ __all__ = [
     "plot_gallery",
     "plot_image",
     "plot_mesh",
+    "plot_modes",
     "plot_patches",
     "plot_repair",
     "plot_sections",
     "plot_sensitivity",
     "plot_sweep",
+    "plot_torsion",
     "plot_verdict",
     "polygon",
     "polyline",
     "primitives",
     "principal_curvatures",
     "product",
+    "quadrature",
     "quadric",
     "rectangle",
     "regular_polygon",
@@ -265,6 +304,7 @@ __all__ = [
     "rfAND",
     "rfNOT",
     "rfOR",
+    "robin",
     "row",
     "sample",
     "save",
@@ -280,11 +320,14 @@ __all__ = [
     "slab",
     "smoothness_atlas",
     "smoothness_threshold",
+    "solution_structure",
+    "solve",
     "source",
     "space_curve",
     "sphere",
     "strip",
     "superellipse",
+    "supported",
     "surfaces",
     "sweep",
     "to_jax",
@@ -292,6 +335,7 @@ __all__ = [
     "to_pyvista",
     "to_torch",
     "to_trimesh",
+    "torsion",
     "torus",
     "transform",
     "triangle_wave",

@@ -41,7 +41,7 @@ def _found(*groups: str) -> dict[str, list[ModuleType]]:
     return found
 
 
-GROUPS = _found("models", "pictures", "meshes", "proofs", "the paper")
+GROUPS = _found("models", "pictures", "meshes", "fields on shapes", "proofs", "the paper")
 COMMANDS = tuple(command for group in GROUPS.values() for command in group)
 
 

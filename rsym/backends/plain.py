@@ -17,9 +17,11 @@ from numpy.typing import ArrayLike, NDArray
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.model.symbols import real_symbol
 from rsym.program.fields import checked_fields, gather, program_of
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import Program
+from rsym.program.raising import raised_node
 
 # What NumPy has no function of is computed by its plain meaning.
 _MISSING = {
@@ -79,15 +81,13 @@ def _assignments(program: Program) -> tuple[list[tuple[sp.Symbol, sp.Expr | None
     outputs = {number for _, number in program.outputs}
     values: list[sp.Expr] = []
     assignments: list[tuple[sp.Symbol, sp.Expr | None]] = []
-    for number, (operation, arguments, data) in enumerate(program.nodes):
-        if operation == "const":
-            values.append({"pi": sp.pi, "e": sp.E}[data] if isinstance(data, str) else sp.Rational(data))
-        elif operation == "input":
-            values.append(sp.Symbol(str(data), real=True))
+    for number, node in enumerate(program.nodes):
+        arguments = node.arguments
+        expression = raised_node(node, [values[argument] for argument in arguments])
+        if node.operation in {"const", "input"}:
+            values.append(expression)
         else:
-            inner = [values[argument] for argument in arguments]
-            expression = _formula(operation, inner, data)
-            symbol = sp.Symbol(f"_{number}", real=True)  # a name that no model can use
+            symbol = real_symbol(f"_{number}")  # a name that no model can use
             assignments.append((symbol, expression))
             values.append(symbol)
             done = [a for a in dict.fromkeys(arguments) if last_use[a] == number and a not in outputs]
@@ -95,9 +95,3 @@ def _assignments(program: Program) -> tuple[list[tuple[sp.Symbol, sp.Expr | None
                 (values[a], None) for a in done if values[a].is_Symbol and values[a].name.startswith("_")
             )
     return assignments, [values[number] for _, number in program.outputs]
-
-
-def _formula(operation: str, inner: list[sp.Expr], data: Any) -> sp.Expr:
-    formula = OPERATIONS[operation].formula
-    assert formula is not None, operation
-    return formula(*inner) if data is None else formula(*inner, data)

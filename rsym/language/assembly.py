@@ -13,7 +13,7 @@ from rsym.language.extent import Extent
 from rsym.language.functions import operations
 from rsym.language.model import ModelFile
 from rsym.language.pieces import Calls, shown_call
-from rsym.language.syntax import Assignment, Name, PartStatement, names_in
+from rsym.language.syntax import Assignment, Expression, Name, names_in
 from rsym.model.letters import Letter
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, symbols_of
@@ -23,7 +23,7 @@ from rsym.model.wording import listing, proposal
 def assemble(model: ModelFile, shape: str | None, variant: str | None) -> Shape:
     """The chosen shape of a model with the chosen letters."""
     chosen, letters = _chosen(model, shape), _letters(model, variant)
-    known, needed = _inlined(model, letters), _needed(model, chosen)
+    known, needed = inlined(model, letters), _needed(model, chosen)
     expression = known[chosen].outer
     used = {symbol.name for symbol in symbols_of(expression)}
     return Shape(
@@ -63,16 +63,17 @@ def _letters(model: ModelFile, variant: str | None) -> dict[str, Letter]:
     return {**model.letters, **model.variants[variant]}
 
 
-def _inlined(model: ModelFile, letters: Mapping[str, Letter]) -> dict[str, Built]:
+def inlined(model: ModelFile, letters: Mapping[str, Letter]) -> dict[str, Built]:
     """Every formula with the others written into it; a part that is used twice is one object."""
-    builder, known = _builder(model, letters), _given(model)
+    builder, known = builder_of(model, letters), _given(model)
     for assignment in model.assignments:
-        _check_names(assignment, known, model)
+        check_names(assignment.value, known, model, assignment.name)
         known[assignment.name] = builder.build(assignment.value, known)
     return known
 
 
-def _builder(model: ModelFile, letters: Mapping[str, Letter]) -> FormulaBuilder:
+def builder_of(model: ModelFile, letters: Mapping[str, Letter]) -> FormulaBuilder:
+    """What builds the formulas of a model."""
     kind = Verbatim if model.verbatim else FormulaBuilder
     calls = Calls(model.coordinates, letters, model.system)
     return kind(operations(model.system), calls, frozenset(map(real_symbol, model.coordinates)))
@@ -82,9 +83,9 @@ def _given_parts(
     model: ModelFile, letters: Mapping[str, Letter], known: Mapping[str, Built]
 ) -> tuple[tuple[str, sp.Expr], ...]:
     """What the part statements say, in their order."""
-    builder = _builder(model, letters)
+    builder = builder_of(model, letters)
     for statement in model.parts:
-        _check_names(statement, known, model)
+        check_names(statement.value, known, model)
     return tuple((statement.name, builder.build(statement.value, known).outer) for statement in model.parts)
 
 
@@ -119,17 +120,16 @@ def _given(model: ModelFile) -> dict[str, Built]:
     return {**given, "pi": Built(sp.pi, Extent(), None, math.pi)}
 
 
-def _check_names(assignment: Assignment | PartStatement, known: Mapping[str, Built], model: ModelFile) -> None:
-    for name in names_in(assignment.value):
+def check_names(value: Expression, known: Mapping[str, Built], model: ModelFile, own: str = "") -> None:
+    """Refuse names that mean nothing yet; `own` is that of the formula itself."""
+    for name in names_in(value):
         if name.name not in known:
-            raise _unknown(name, assignment, known, model)
+            raise _unknown(name, own, known, model)
 
 
-def _unknown(
-    name: Name, assignment: Assignment | PartStatement, known: Mapping[str, Built], model: ModelFile
-) -> Exception:
+def _unknown(name: Name, own: str, known: Mapping[str, Built], model: ModelFile) -> Exception:
     later = {other.name: other.place for other in model.assignments}
-    if isinstance(assignment, Assignment) and name.name == assignment.name:
+    if name.name == own:
         remedy = "a formula may use earlier names only; rename"
         return name.place.refuse(f"'{name.name}' is defined by itself", "unknown-name", remedy)
     if name.name in later:

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from itertools import pairwise
 from typing import TypeVar
@@ -25,10 +25,22 @@ _Item = TypeVar("_Item")
 
 
 class ExpressionParser:
-    """Parses expressions from a cursor; every bracket is one level of depth."""
+    """Parses expressions from a cursor; every bracket is one level of depth.
 
-    def __init__(self, cursor: Cursor) -> None:
+    arities : the fewest and the most arguments of each function; None is any number.
+    vectors : whether a vector may stand where a number may.
+    """
+
+    def __init__(
+        self,
+        cursor: Cursor,
+        arities: Mapping[str, tuple[int, int | None]] = ARITIES,
+        *,
+        vectors: bool = False,
+    ) -> None:
         self._cursor = cursor
+        self._arities = arities
+        self._vectors = vectors
         self._depth = 0
 
     def expression(self) -> Expression:
@@ -75,13 +87,15 @@ class ExpressionParser:
         token = self._cursor.token
         if token.text == "(":
             return self._group()
+        if token.text == "[" and self._vectors:
+            return self._argument()
         if token.kind == "number":
             self._cursor.read()
             point = not token.text.isdigit()
             return Number(token.place, literal(token.text, token.place), point=point)
         if token.kind == "name" and token.text not in KEYWORDS:
             self._cursor.read()
-            return self._call(token) if self._cursor.token.text == "(" else _name(token)
+            return self._call(token) if self._cursor.token.text == "(" else self._name(token)
         raise self._cursor.unexpected("a number, a name or '('", "finish the formula, or remove the last operator")
 
     def _group(self) -> Expression:
@@ -103,6 +117,13 @@ class ExpressionParser:
         self._depth -= 1
         self._check_call(function, len(arguments), start)
         return _called(function, tuple(arguments))
+
+    def _name(self, token: Token) -> Expression:
+        if token.text in self._arities:
+            raise token.place.refuse(
+                f"the function {token.text} stands without arguments", "arity", f"write {token.text}(...)"
+            )
+        return Name(token.place, token.text)
 
     def _list(self, item: Callable[[], _Item], closing: str) -> list[_Item]:
         """Items with commas between them."""
@@ -193,11 +214,11 @@ class ExpressionParser:
         return opening
 
     def _check_call(self, function: Token, count: int, start: int) -> None:
-        if function.text not in ARITIES:
-            product = f"the functions are {listing(ARITIES)}; for a product write {function.text}*(...)"
-            remedy = proposal(function.text, (*ARITIES, *PIECES, PIECEWISE), product)
+        if function.text not in self._arities:
+            product = f"the functions are {listing(self._arities)}; for a product write {function.text}*(...)"
+            remedy = proposal(function.text, (*self._arities, *PIECES, PIECEWISE), product)
             raise function.place.refuse(f"no function {function.shown}", "unknown-name", remedy)
-        fewest, most = ARITIES[function.text]
+        fewest, most = self._arities[function.text]
         if fewest <= count and (most is None or count <= most):
             return
         if comma := self._cursor.decimal_comma(start):
@@ -213,14 +234,6 @@ class ExpressionParser:
 def is_condition(expression: Expression) -> bool:
     """Whether it is true or false, not a number."""
     return isinstance(expression, Call) and expression.function in (*COMPARISONS, *CONNECTIVES)
-
-
-def _name(token: Token) -> Expression:
-    if token.text in ARITIES:
-        raise token.place.refuse(
-            f"the function {token.text} stands without arguments", "arity", f"write {token.text}(...)"
-        )
-    return Name(token.place, token.text)
 
 
 def _called(function: Token, arguments: tuple[Expression, ...]) -> Expression:

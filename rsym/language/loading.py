@@ -88,7 +88,8 @@ def loads(text: str, *, shape: str | None = None, variant: str | None = None) ->
     ``30 deg`` is pi/6; ``part "bonnet" = f`` names a part. Of MATLAB are taken ``for k = 0:5 ... end`` over numbers,
     unrolled, in which a name may be defined anew; ``...`` at the end of a line; ``%{ ... %}``; and ``clear``, ``clc``,
     ``close`` are passed over, lines with meshgrid or of drawing too, with a note. In a model that says ``verbatim``, as
-    those of `dumps` do, operations stay as they are written, decimals are floats and no letter is left out.
+    those of `dumps` do, operations stay as they are written, decimals are floats and no letter is left out. Lines
+    ``equation -laplacian(u) = 1`` and ``on rim = 0`` state a problem on the shape, which `load_problem` reads.
 
     Parameters
     ----------

@@ -16,7 +16,9 @@ from rsym.language.syntax import (
     Assignment,
     BoundsStatement,
     Call,
+    ConditionStatement,
     CoordinatesStatement,
+    EquationStatement,
     Expression,
     LetterStatement,
     Name,
@@ -52,6 +54,8 @@ class ModelFile:
     assignments: tuple[Assignment, ...]
     parts: tuple[PartStatement, ...] = ()
     verbatim: bool = False
+    equation: EquationStatement | None = None
+    conditions: tuple[ConditionStatement, ...] = ()
 
 
 def collect(statements: tuple[Statement, ...]) -> ModelFile:
@@ -76,6 +80,8 @@ class _Declarations:
         self._bounds: BoundsStatement | None = None
         self._system: SystemStatement | None = None
         self._assignments: list[Assignment] = []
+        self._equation: EquationStatement | None = None
+        self._conditions: list[ConditionStatement] = []
 
     def declare(self, statement: Statement) -> None:
         """Add what one statement declares."""
@@ -99,6 +105,12 @@ class _Declarations:
                 self._assignments.append(statement)
             case PartStatement():
                 self._parts.append(statement)
+            case EquationStatement():
+                self._first("the equation", statement.place)
+                self._equation = statement
+            case ConditionStatement():
+                self._first("the condition on " + (statement.part or "others"), statement.place)
+                self._conditions.append(statement)
             case VerbatimStatement():
                 self._first("verbatim", statement.place)
 
@@ -114,6 +126,8 @@ class _Declarations:
             tuple(self._assignments),
             tuple(self._parts),
             self._verbatim,
+            self._equation,
+            tuple(self._conditions),
         )
 
     def _define(self, name: str, place: Position) -> None:

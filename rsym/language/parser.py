@@ -11,6 +11,8 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import count
 
+from rsym.language.conditions import conditioned, part_named
+from rsym.language.equations import sides
 from rsym.language.expressions import ExpressionParser
 from rsym.language.model import closed_number
 from rsym.language.scanner import UNSUPPORTED, Cursor, Token, scan
@@ -19,6 +21,7 @@ from rsym.language.syntax import (
     Assignment,
     BoundsStatement,
     CoordinatesStatement,
+    EquationStatement,
     Expression,
     ForStatement,
     LetterStatement,
@@ -66,6 +69,8 @@ class _StatementParser:
             "bounds": self._bounds,
             "system": self._system,
             "part": self._part,
+            "equation": self._equation,
+            "on": lambda word: conditioned(self._cursor, word.place, part_named(self._cursor)),
             "verbatim": lambda word: VerbatimStatement(word.place),
             "for": self._for,
         }
@@ -94,7 +99,7 @@ class _StatementParser:
         return statement
 
     def _assignment(self, word: Token) -> Statement:
-        keywords = ", ".join((*KEYWORDS[:-1], "part", "for"))
+        keywords = ", ".join((*KEYWORDS[:-1], "part", "for", "equation", "on"))
         self._cursor.expect("=", f"write {word.text} = expression, or begin with one of {keywords}")
         return Assignment(word.place, word.text, self._expressions.expression(), self._doc())
 
@@ -116,6 +121,11 @@ class _StatementParser:
             raise name.place.refuse("a part needs a name", "part-name", example)
         self._cursor.expect("=", example)
         return PartStatement(name.place, name.quoted, self._expressions.expression())
+
+    def _equation(self, word: Token) -> Statement:
+        start = self._cursor.mark()
+        left, right = sides(self._cursor)
+        return EquationStatement(word.place, left, right, self._cursor.written(start))
 
     def _for(self, word: Token) -> Statement:
         """A loop up to its end, in which there may be others."""

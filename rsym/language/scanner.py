@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal, NamedTuple, TypeAlias
 
 from rsym.language.syntax import Position
@@ -248,13 +249,22 @@ class Cursor:
         return None
 
     def mark(self) -> int:
-        """The index of the next token, for `decimal_comma`."""
+        """The index of the next token, for `decimal_comma` and `written`."""
         return self._index
+
+    def written(self, start: int) -> str:
+        """The words from a mark to the last that was read, as they stand, without comments and ends of lines."""
+        words = self._tokens[start : self._index]
+        gaps = [" " * (not _touching(*pair)) for pair in pairwise(words)]
+        return "".join(word.text + gap for word, gap in zip(words, [*gaps, ""], strict=True))
 
 
 def _tight(left: Token, right: Token) -> bool:
-    touching = right.place == Position(left.place.line, left.place.column + len(left.text))
-    return touching and "number" in (left.kind, right.kind)
+    return _touching(left, right) and "number" in (left.kind, right.kind)
+
+
+def _touching(left: Token, right: Token) -> bool:
+    return right.place == Position(left.place.line, left.place.column + len(left.text))
 
 
 HOUSEKEEPING = ("clear", "clearvars", "clc", "close", "format", "more")

@@ -212,6 +212,29 @@ class PartStatement:
 
 
 @dataclass(frozen=True, slots=True)
+class EquationStatement:
+    """``equation -laplacian(u) = 1``: what a function u on the shape is to meet; `text` is how it is written."""
+
+    place: Position
+    left: Expression
+    right: Expression
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionStatement:
+    """``on rim = 0``, ``on "wheel arch" = robin(2, 1)``, ``on others = 0``: what u is to meet on a part.
+
+    part : its name, None for the rest; kind : the function that is called, "" for a bare value.
+    """
+
+    place: Position
+    part: str | None
+    kind: str
+    values: tuple[Expression, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class VerbatimStatement:
     """``verbatim``: operations stay as they are written, decimals are floats, and all letters are kept."""
 
@@ -226,6 +249,8 @@ Statement: TypeAlias = (
     | SystemStatement
     | Assignment
     | PartStatement
+    | EquationStatement
+    | ConditionStatement
     | VerbatimStatement
     | ForStatement
 )

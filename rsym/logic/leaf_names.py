@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
+from operator import itemgetter
 
 import sympy as sp
 
@@ -40,31 +42,48 @@ def leaf_names(form: SignForm, shape: Shape) -> tuple[str, ...]:
     >>> leaf_names(surface_form(shape), shape)
     ('slab', 'corner', 'corner', '-x - y')
     """
+    return tuple(names[0] for names in leaf_parts(form, shape))
+
+
+def leaf_parts(form: SignForm, shape: Shape) -> tuple[tuple[str, ...], ...]:
+    """The names of all parts that have a leaf, for each leaf: the smallest part, after which it is called, is first.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> from rsym.logic.sign_form import surface_form
+    >>> lens = (rsym.disc(2).named("rim") & rsym.Shape(x, (x, y))).named("half")
+    >>> leaf_parts(surface_form(lens - rsym.disc(1)), lens - rsym.disc(1))
+    (('rim', 'half'), ('half',), ('x**2/2 + y**2/2 - 1/2',))
+    """
     count = len(form.leaves) - form.caps
     # SymPy moves signs and constant factors about.
     keys = [scaled(form.builder, leaf)[0] for leaf in form.leaves[:count]]
     named = _names_of_parts(form.builder, shape)
     texts = {} if all(key in named for key in keys) else _formulas(form.builder, shape.expression)
-    names = [named.get(key) or texts.get(key) or f"leaf {number}" for number, key in enumerate(keys)]
-    sides = [f"cap {coordinate} {side}" for coordinate in shape.coordinates for side in ("lower", "upper")]
+    names = [named.get(key) or (texts.get(key) or f"leaf {number}",) for number, key in enumerate(keys)]
+    sides = [(f"cap {coordinate} {side}",) for coordinate in shape.coordinates for side in ("lower", "upper")]
     return (*names, *sides[: form.caps])
 
 
-def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, str]:
-    """The name of the smallest part that holds a leaf, by the key of the leaf."""
+def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, tuple[str, ...]]:
+    """The names of the parts that hold a leaf, the smallest first, by the key of the leaf."""
     known = {*builder.coordinates, *builder.letters}
     # A part may speak of letters that have cancelled out of the shape: it is no part of it any more.
     parts = [part for part in shape.parts if all(symbol.name in known for symbol in symbols_of(part[1]))]
     # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a.
     nodes = lower_all(builder, [signed for _, part in parts for signed in map(with_gates, (part, -part))])
     leaves = [[scaled(builder, leaf)[0] for leaf in sign_form(builder, node).leaves] for node in nodes]
-    smallest: dict[int, tuple[int, str]] = {}
+    holding: defaultdict[int, list[tuple[int, str]]] = defaultdict(list)
     for (name, _), *both in zip(parts, leaves[::2], leaves[1::2], strict=True):
         for keys in both:
             for key in keys:
-                if key not in smallest or len(keys) < smallest[key][0]:
-                    smallest[key] = len(keys), name
-    return {key: name for key, (_, name) in smallest.items()}
+                holding[key].append((len(keys), name))
+    return {
+        key: tuple(dict.fromkeys(name for _, name in sorted(found, key=itemgetter(0))))
+        for key, found in holding.items()
+    }
 
 
 def _formulas(builder: Builder, expression: sp.Expr) -> Mapping[int, str]:

@@ -45,10 +45,11 @@ def opened(form: SignForm) -> SignForm:
     return replace(sign_form(builder, made[-1]), parameters=form.parameters)
 
 
-def lifted(builder: Builder, number: int) -> int:
-    """A node of the same value to the bit, with choices on top of sums and multiples if it has many."""
+def lifted(builder: Builder, number: int, few: int | None = None) -> int:
+    """A node of the same value to the bit, with choices on top of sums and multiples if it has more than a few."""
+    few = FEW if few is None else few
     choices = choices_in(builder, number)
-    if choices <= FEW:
+    if choices <= few:
         return number
     lifting = _Lifting(builder, GROWTH * choices)
     found = number

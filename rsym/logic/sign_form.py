@@ -210,8 +210,8 @@ def cap_letters(coordinate: str) -> tuple[str, str]:
     return f"{coordinate} lower", f"{coordinate} upper"
 
 
-def surface_form(shape: Shape) -> SignForm:
-    """The sign form of a shape.
+def surface_form(shape: Shape, *more: str) -> SignForm:
+    """The sign form of a shape, whose builder knows its bounds too, and coordinates more on which it does not depend.
 
     Examples
     --------
@@ -221,7 +221,7 @@ def surface_form(shape: Shape) -> SignForm:
     >>> form.gates
     (Gate(operation='max', first=1, second=2), Gate(operation='min', first=0, second=3))
     """
-    names = tuple(symbol.name for symbol in shape.coordinates)
+    names = (*(symbol.name for symbol in shape.coordinates), *more)
     builder = Builder(names, (*shape.letters, *(letter for name in names for letter in cap_letters(name))))
     return sign_form(builder, lower(builder, with_gates(shape.expression)))
 

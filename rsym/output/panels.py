@@ -39,11 +39,13 @@ def draw_levels(
     boundary: Iterable[NDArray[np.float64]],
     look: Look = PLAIN,
     omega: NDArray[np.float64] | None = None,
+    *,
+    lined: bool = True,
 ) -> QuadContourSet:
     """Filled level lines of sampled values, hatched where there are none, and the boundary as a heavy line.
 
     Fills are pixels in a file of lines, which would be megabytes of polygons. A look that hides the outside needs the
-    samples of omega.
+    samples of omega. `lined`: whether the levels have lines too.
     """
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     shown = np.ma.masked_invalid(values.T)
@@ -60,9 +62,10 @@ def draw_levels(
     colours, scale = look.colours(levels)
     artist = ax.contourf(u, v, shown, levels=levels, cmap=colours, norm=scale, extend="both")
     artist.set(rasterized=True)
-    lines = ax.contour(u, v, shown, levels=levels, colors="black", linewidths=0.35, linestyles="solid", alpha=0.55)
-    for drawn in (artist, lines):
-        thin_out(drawn, min(sampler.lattice.spacing))
+    thin_out(artist, min(sampler.lattice.spacing))
+    if lined:
+        lines = ax.contour(u, v, shown, levels=levels, colors="black", linewidths=0.35, linestyles="solid", alpha=0.55)
+        thin_out(lines, min(sampler.lattice.spacing))
     if look.veil and omega is not None and np.nanmin(omega) < 0:
         outside = [2 * float(np.nanmin(omega)), 0.0]
         veil = ax.contourf(u, v, np.ma.masked_invalid(omega.T), levels=outside, colors="white", alpha=look.veil)

@@ -9,6 +9,7 @@ claims.py                    what the source claims of surfaces; for which lette
 studies.py, preference.py    what it proposes beyond its figures, measured
 verdicts.py                  bodies with their verdicts; the gallery
 data.py                      letters from data: a fitted body
+fields.py                    equations solved on shapes
 growth.py                    how time and memory grow, from figures measured once
 coons.py, curves.py          parametric surfaces: of edges and corners; through curves and data
 figures.py                   all figures as recipes, those of the source in full

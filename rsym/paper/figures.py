@@ -10,7 +10,7 @@ from rsym.model.constructions import revolve
 from rsym.output.axes3d import add_axes
 from rsym.output.fields import plot_fields
 from rsym.output.surfaces import plot_mesh
-from rsym.paper import claims, coons, curves, data, growth, studies, verdicts
+from rsym.paper import claims, coons, curves, data, fields, growth, studies, verdicts
 from rsym.paper.drawing import Drawing, Recipe, drawing_of, figure_of, letters_text, mesh_quietly
 from rsym.paper.models import BODIES, car, model_path, skeleton_body, streamlined, valve
 from rsym.sampling.mesh import Mesh
@@ -203,6 +203,7 @@ RECIPES: tuple[Recipe, ...] = (
     Recipe("atlas", "Where the body of Fig. 11 is smooth", "", claims.draw_atlas, equations=(claims.CONDITION,)),
     Recipe("verdicts", "Bodies with their verdicts", "", verdicts.draw_verdicts),
     Recipe("fitted", "The body of Fig. 11 from noisy points", "", data.draw_fitted, equations=data.EQUATIONS),
+    Recipe("solved", "Equations solved on shapes", "", fields.draw_solved, equations=fields.EQUATIONS),
     Recipe("growth", "How time and memory grow with a model", "", growth.draw_growth),
     *SURFACES,
     Recipe("gallery", "A gallery of shapes", "", verdicts.draw_gallery),

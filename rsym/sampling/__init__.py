@@ -11,6 +11,7 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
 - `streaming`: meshes larger than memory, in pieces to disk and by a `mesh_writer` into a `mesh_file`; `encoding`:
   triangles as bytes
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full
+- `rules/`: rules of integration inside and on the boundary (`rsym.quadrature`)
 - on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside
 - letters from data: `boundary_distances` of points, or of the lines of sight of `silhouettes`; `fitting` (`rsym.fit`)
   and its `fit_report`; `sensitivity`: how fast the boundary moves with a letter

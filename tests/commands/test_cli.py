@@ -1,6 +1,7 @@
 import json
 import logging
 import os
+import shlex
 import subprocess
 import sys
 from argparse import ArgumentTypeError
@@ -346,11 +347,12 @@ def test_every_command_has_an_example_that_is_no_wrong_usage(monkeypatch, capsys
         with pytest.raises(SystemExit) as caught:
             main([name, "--help"])
         assert caught.value.code == 0
-        example = capsys.readouterr().out.rstrip().splitlines()[-1].split(">")[0].split()
+        example = capsys.readouterr().out.rstrip().splitlines()[-1]
+        example = shlex.split(example.split(" > ")[0])
         assert example[:2] == ["rsym", name]
         assert main(example[1:]) == 0
     folder = Path(rsym.__file__).parent / "commands"
-    assert {path.stem for path in folder.glob("*.py")} == {*names, "__init__", "options"}
+    assert {path.stem for path in folder.glob("*.py")} == {*names, "__init__", "options", "field_options"}
 
 
 def test_the_version(capsys):

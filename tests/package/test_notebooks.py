@@ -21,6 +21,7 @@ def test_the_notebooks_are_there():
         "04_meshes.ipynb",
         "05_is_it_smooth.ipynb",
         "06_surfaces.ipynb",
+        "07_fields.ipynb",
         "07_see_it.ipynb",
     ]
 

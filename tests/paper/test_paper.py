@@ -74,7 +74,7 @@ def test_every_figure_has_its_recipe():
     names = [recipe.name for recipe in RECIPES]
     cars = "fig05a fig05b fig06a fig06b fig07a fig07b fig08a fig08b fig09a fig09b".split()
     rest = "fig10 fig11 fig12 fig13 fig14 table1 preference parts sections rendered revolution claims"
-    rest += " atlas verdicts fitted growth"
+    rest += " atlas verdicts fitted solved growth"
     surfaces = "paraboloid twists torus joints hull network fitting".split()
     assert names == ["fig01", "fig02", *cars, *rest.split(), *surfaces, "gallery"]
     assert len(BODIES) == 6

@@ -1,0 +1,210 @@
+"""Conditions on the boundary, as data: what a function must meet on a part of it, n being the outward normal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from rsym.errors import RsymError
+from rsym.model.arguments import number
+from rsym.model.equation import Equation
+
+# A number or an expression in coordinates and letters; a shape, for omega; or, for those who can use one, a function.
+Value: TypeAlias = sp.Expr | Equation | Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class BoundaryCondition:
+    """What a function u must meet on a part of the boundary; `dirichlet`, `robin` and the others make one."""
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """What it is made of."""
+        return tuple(getattr(self, one.name) for one in fields(self))
+
+
+@dataclass(frozen=True)
+class Dirichlet(BoundaryCondition):
+    """u = value."""
+
+    value: Value
+
+
+@dataclass(frozen=True)
+class Robin(BoundaryCondition):
+    """du/dn + coefficient*u = flux; Neumann's condition is that with the coefficient 0."""
+
+    coefficient: Value
+    flux: Value
+
+
+@dataclass(frozen=True)
+class UnknownLevel(BoundaryCondition):
+    """u is the same all over the part, how much is not known; nothing flows through it in all."""
+
+
+@dataclass(frozen=True)
+class Clamped(BoundaryCondition):
+    """u = value and du/dn = slope."""
+
+    value: Value
+    slope: Value
+
+
+@dataclass(frozen=True)
+class Supported(BoundaryCondition):
+    """u = value, and no moment across the boundary: what a plate that lies on its edge meets."""
+
+    value: Value
+
+
+def dirichlet(value: Any) -> Dirichlet:
+    """The condition u = value on a part of the boundary; a bare number or expression means it too.
+
+    Parameters
+    ----------
+    value : number, expression, Shape or function
+        In coordinates and letters; of a shape it is omega. Formulas are made of expressions and shapes alone.
+
+    Raises
+    ------
+    RsymError
+        For what is none of these.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.dirichlet(0.5)
+    Dirichlet(value=1/2)
+    """
+    return Dirichlet(_value(value, "the value"))
+
+
+def neumann(flux: Any = 0) -> Robin:
+    """The condition du/dn = flux, n being the outward normal.
+
+    Parameters
+    ----------
+    flux : number, expression, Shape or function
+        As for `dirichlet`.
+
+    Raises
+    ------
+    RsymError
+        For what is none of these.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.neumann(rsym.x)
+    Robin(coefficient=0, flux=x)
+    """
+    return Robin(sp.S.Zero, _value(flux, "the flux"))
+
+
+def robin(coefficient: Any, flux: Any = 0) -> Robin:
+    """The condition du/dn + coefficient*u = flux, n being the outward normal.
+
+    A body that loses heat to air of temperature T by the coefficient c has ``robin(c, c*T)``.
+
+    Parameters
+    ----------
+    coefficient, flux : number, expression, Shape or function
+        As for `dirichlet`.
+
+    Raises
+    ------
+    RsymError
+        For what is none of these.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.robin(2, 1)
+    Robin(coefficient=2, flux=1)
+    """
+    return Robin(_value(coefficient, "the coefficient"), _value(flux, "the flux"))
+
+
+def constant() -> UnknownLevel:
+    """The condition that u has one value all over the part, which is not known: a hole of a twisted shaft, say.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.constant()
+    UnknownLevel()
+    """
+    return UnknownLevel()
+
+
+def clamped(value: Any = 0, slope: Any = 0) -> Clamped:
+    """The conditions u = value and du/dn = slope, n being the outward normal: a plate held fast.
+
+    Parameters
+    ----------
+    value, slope : number, expression, Shape or function
+        As for `dirichlet`.
+
+    Raises
+    ------
+    RsymError
+        For what is none of these.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.clamped()
+    Clamped(value=0, slope=0)
+    """
+    return Clamped(_value(value, "the value"), _value(slope, "the slope"))
+
+
+def supported(value: Any = 0) -> Supported:
+    """The condition u = value of a plate that lies on its edge and can turn there: no moment across it.
+
+    Parameters
+    ----------
+    value : number, expression, Shape or function
+        As for `dirichlet`.
+
+    Raises
+    ------
+    RsymError
+        For what is none of these.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.supported()
+    Supported(value=0)
+    """
+    return Supported(_value(value, "the value"))
+
+
+def as_condition(given: Any) -> BoundaryCondition:
+    """A condition, or the Dirichlet condition that a bare value means.
+
+    Examples
+    --------
+    >>> as_condition(2), as_condition(neumann(1))
+    (Dirichlet(value=2), Robin(coefficient=0, flux=1))
+    """
+    return given if isinstance(given, BoundaryCondition) else dirichlet(given)
+
+
+def _value(given: Any, what: str) -> Value:
+    # A symbol is callable, a class of SymPy functions too.
+    if isinstance(given, Equation) or (callable(given) and not isinstance(given, sp.Basic | type)):
+        return given
+    try:
+        return number(given, what)
+    except RsymError as error:
+        raise RsymError(
+            f"{what} of a condition must be a number, an expression, a shape or a function, got {given!r}",
+            code="condition",
+            remedy='for example {"rim": 0, "bore": rsym.robin(2, 1), ...: rsym.neumann(0)}',
+        ) from error

@@ -1,0 +1,54 @@
+"""`rsym solve`: a differential equation on a shape, with conditions on its parts."""
+
+from __future__ import annotations
+
+import argparse
+
+from rsym.commands.field_options import add_conditions, add_equation, add_picture, add_refinement, load_problem
+from rsym.commands.options import Commands, add_command, add_model, add_section, progress_bar
+
+GROUP = "fields on shapes"
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    parser = add_command(
+        commands,
+        "solve",
+        "solve an equation on a shape, with conditions on the parts of its boundary",
+        'rsym solve plate.rf --equation "-laplacian(u) = 1" --on rim=0 --on "bore=robin(2, 1)" -o field.png',
+        run,
+    )
+    add_model(parser)
+    add_equation(parser, "that of the model file")
+    add_conditions(parser, "those of the model file; where nothing is said nothing flows")
+    add_refinement(parser)
+    add_section(parser)
+    add_picture(parser)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Solve, say how and what came out, and draw it."""
+    from rsym.output.fields import plot_field
+    from rsym.output.pictures import figure_of, picture_suffix, write_picture
+    from rsym.reports.numbers import point, short
+
+    if options.output is not None:
+        picture_suffix(options.output)
+    problem = load_problem(options)
+    with progress_bar("grid", "solving") as progress:
+        found = problem.solve(
+            degree=options.degree,
+            cells=options.cells,
+            tolerance=options.tolerance,
+            axis=options.axis,
+            progress=progress,
+        )
+    least, most = found.minimum(), found.maximum()
+    size = max(abs(least.value), abs(most.value))
+    print(found.report)
+    for word, one in (("minimum", least), ("maximum", most)):
+        print(f"  {word:<8}  {short(one.value, size)} at {point(one.point, 4)}")
+    print(f"  integral  {short(found.integral())}")
+    if options.output is not None:
+        print(write_picture(figure_of(plot_field(found)), options.output))

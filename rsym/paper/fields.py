@@ -1,0 +1,104 @@
+"""Equations solved on shapes: a plate that loses heat in its holes, a hollow shaft, a drum like a gear."""
+
+from __future__ import annotations
+
+import sympy as sp
+from matplotlib.figure import Figure
+
+from rsym.analysis.conditions import robin
+from rsym.model.primitives.plane import disc, rectangle
+from rsym.model.shape import Shape
+from rsym.model.symbols import x, y
+from rsym.output.fields import plot_field
+from rsym.output.modes import plot_modes
+from rsym.output.panels import colour_bar
+from rsym.output.torsion import plot_torsion
+from rsym.paper.drawing import Drawing, Table
+from rsym.problems.solution import Solution
+from rsym.problems.solving import solve
+from rsym.problems.spectra import modes
+from rsym.problems.torsion import torsion
+from rsym.reports.numbers import short
+
+# A radius of 0.45 in a plate of 6 by 4; what cools in them does it by Newton's law.
+HOLES = tuple((2 * i, 1 if j else -1) for i in (-1, 0, 1) for j in (0, 1))
+LOSS = 2
+WIDTH, DEPTH = 0.44, 0.24  # of the keyway
+TEETH = 10
+COUNT = 6
+CELLS = {"plate": 32, "shaft": 24, "gear": 22}
+RESOLUTION = 300
+EQUATIONS = (
+    r"u = g + \omega\, \Phi, \quad \omega = 0 \text{ on the boundary}",
+    r"-\Delta u = 0, \quad u = 1 \text{ on the edge}, \quad u_{n} + 2 u = 0 \text{ in the holes}",
+    r"-\Delta u = 2, \quad J = 2 \int u\, dA + 2 \sum_{k} u_{k} A_{k}",
+    r"-\Delta u = \lambda u",
+)
+
+
+def plate() -> Shape:
+    """A plate with six holes; its parts are ``edge`` and ``holes``."""
+    bores = [disc(0.45).translate(*place).named("holes") for place in HOLES]
+    made = rectangle(6, 4).named("edge")
+    for bore in bores:
+        made = made - bore
+    return made
+
+
+def shaft() -> Shape:
+    """The section of a hollow shaft with a keyway, whose depth is the letter ``d``."""
+    d = sp.Symbol("d", real=True)
+    keyway = rectangle(WIDTH, 2 * d, letters={d: DEPTH}).translate(0, 1)
+    return (disc(1) - keyway - disc(0.4)).replace(bounds=((-1.1, 1.1), (-1.1, 1.1)))
+
+
+def gear() -> Shape:
+    """A disc with rounded teeth, (1 - r**2)/2 + r**n cos(n phi)/(4 (1 + r**(2 n))): one analytic function.
+
+    Examples
+    --------
+    >>> gear().contains(1.05, 0), gear().contains(0, 1.05)
+    (True, False)
+    """
+    whole = sp.expand((x + sp.I * y) ** TEETH)
+    real = sp.Add(*(term for term in whole.args if not term.has(sp.I)))
+    return Shape((1 - x**2 - y**2) / 2 + real / (4 * (1 + (x**2 + y**2) ** TEETH)), (x, y)).named("rim")
+
+
+def draw_solved() -> Drawing:
+    """The plate and the shaft above, six modes of the drum below."""
+    heat = solve(plate(), "-laplacian(u) = 0", {"edge": 1, "holes": robin(LOSS)}, cells=CELLS["plate"])
+    twisted = torsion(shaft(), cells=CELLS["shaft"], corners=False)
+    drum = modes(gear(), COUNT, cells=CELLS["gear"])
+    figure = Figure(figsize=(9.6, 9.6), layout="compressed")
+    above, below = figure.subfigures(2, 1, height_ratios=(0.42, 0.58))
+    left, right = above.subplots(1, 2, width_ratios=(1.35, 1))
+    field = plot_field(heat, ax=left, resolution=RESOLUTION, title="a plate that cools in its holes")
+    stress = plot_torsion(
+        twisted, ax=right, resolution=RESOLUTION, title=rf"a twisted shaft, $J = {float(twisted):.4f}$"
+    )
+    for ax, artist in ((left, field), (right, stress)):
+        ax.title.set_fontsize(11)
+        colour_bar(artist, ax)
+    for axis in (right.xaxis, right.yaxis):
+        axis.set_ticks([-1, -0.5, 0, 0.5, 1])
+    plot_modes(drum, figure=below, resolution=200)
+    rows = [
+        ("plate", "lowest temperature", short(heat.minimum().value), _grid(heat)),
+        ("plate", "integral of the normal derivative in the holes", short(heat.flux("holes")), _grid(heat)),
+        ("shaft", "rigidity J", f"{twisted.rigidity:.6g}", _grid(twisted.solution)),
+        *(
+            ("drum", f"eigenvalue {number}", f"{value:.6g}", _grid(drum.modes[0]))
+            for number, value in enumerate(drum.values, 1)
+        ),
+    ]
+    remark = (
+        "Every field is the weight, the equation of the shape, times splines of degree 4 on a grid that knows nothing "
+        "of the boundary: values on the boundary are met exactly. The colours of the shaft are the shear stress, its "
+        "lines the stress lines; the keyway's depth is a letter."
+    )
+    return Drawing(figure, f"d = {DEPTH:g}", 0, remark, Table(("shape", "quantity", "value", "unknowns"), tuple(rows)))
+
+
+def _grid(solution: Solution) -> str:
+    return str(solution.report.unknowns)

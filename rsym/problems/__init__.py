@@ -1,0 +1,17 @@
+"""Functions on shapes: what interpolates data on the boundary, what meets conditions there, and what solves equations.
+
+A shape with named parts comes in, and conditions by the names of these; functions of the same coordinates go out.
+
+- `conditions`: conditions by name, brought to the leaves of the shape
+- `meetings`: where parts of the boundary are, and where they meet; `parts`: that they are there and data agree
+- `interpolation`: values and normal derivatives on parts, by one function; `solution_structures`: functions with
+  undetermined ones in them that meet conditions
+- `terms`: what is linear in an unknown function; `equation_text`, `equations`: a differential equation, of text or
+  SymPy, as its coefficients
+- `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
+- `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
+- `corners/`: what solutions have at corners; `problem`: a problem and what its solution is made of
+- `galerkin`: the system of a problem; `refinement`: until its error is small; `printed`: a solution
+  as an expression; `solution`: what comes out
+- `solving`, `spectra`, `torsion`, `elastic`: what is asked; `stated`: what a model file asks
+"""

@@ -1,0 +1,100 @@
+"""Conditions by the names of parts, brought to the leaves of a shape."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from types import EllipsisType
+from typing import Any, TypeAlias
+
+import sympy as sp
+
+from rsym.analysis.conditions import BoundaryCondition, as_condition
+from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_parts
+from rsym.logic.sign_form import surface_form
+from rsym.model.requirements import require_shape
+from rsym.model.shape import Shape
+from rsym.model.symbols import symbols_of
+from rsym.model.wording import listing, proposal
+
+Name: TypeAlias = str | EllipsisType  # of a part, ... for the rest
+
+
+def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, ...]:
+    """The condition of each leaf of ``surface_form(shape)``, in its order; None where nothing is said.
+
+    Parameters
+    ----------
+    shape : Shape
+        Whose parts have names, by ``shape.named(name)``.
+    conditions : mapping, or one condition for all of the boundary
+        Names of parts to conditions, a bare value being a Dirichlet condition; the key ``...`` is the rest. Where parts
+        lie in one another that of the smallest named here holds. A leaf of no part is called as meshes call it, by its
+        formula.
+
+    Raises
+    ------
+    RsymError
+        For a name that nothing has, a part of which smaller ones named here take all, a value with unknown symbols.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> ring = rsym.disc(2).named("rim") - rsym.disc(1).named("bore")
+    >>> resolved(ring, {"bore": 1, ...: rsym.neumann(0)})
+    (Robin(coefficient=0, flux=0), Dirichlet(value=1))
+    """
+    require_shape(shape)
+    given = given_by_name(shape, conditions)
+    return tuple(given.get(name) for name in assigned(shape, given))
+
+
+def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:
+    """Which of some names of parts each leaf of ``surface_form(shape)`` goes by, ``...`` for the rest.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> assigned(rsym.disc(2).named("rim") - rsym.disc(1).named("bore"), ["bore"])
+    (Ellipsis, 'bore')
+    """
+    parts = leaf_parts(surface_form(shape), shape)
+    known = list(dict.fromkeys(name for names_of_leaf in parts for name in names_of_leaf))
+    for name in names:
+        if name is not ... and name not in known:
+            raise RsymError(
+                f"no part {name!r} on the boundary; it has {listing(known)}",
+                code="unknown-part",
+                remedy=proposal(
+                    name, known, 'a part gets its name when it is made, shape.named("rim"); ... is the rest'
+                ),
+            )
+    chosen = [next((name for name in names_of_leaf if name in names), ...) for names_of_leaf in parts]
+    for name in names:
+        if name is not ... and name not in chosen:
+            smaller = listing(dict.fromkeys(str(one) for one, all_ in zip(chosen, parts, strict=True) if name in all_))
+            raise RsymError(
+                f"what is said of {name!r} would hold nowhere: all of that part belongs to {smaller}, named too",
+                code="unknown-part",
+                remedy="leave one of them out",
+            )
+    return tuple(chosen)
+
+
+def given_by_name(shape: Shape, conditions: Any) -> dict[Name, BoundaryCondition]:
+    """The conditions by name, symbols checked."""
+    if not isinstance(conditions, Mapping):
+        conditions = {...: conditions}
+    known = {*(symbol.name for symbol in shape.coordinates), *shape.letters}
+    given = {name: as_condition(value) for name, value in conditions.items()}
+    for name, condition in given.items():
+        formulas = [value for value in condition.values if isinstance(value, sp.Expr)]
+        for symbol in symbols_of(*formulas):
+            if symbol.name not in known:
+                place = "the rest" if name is ... else repr(name)
+                raise RsymError(
+                    f"the condition on {place} contains {symbol}, neither coordinate nor letter",
+                    code="unknown-letter",
+                    remedy=f"shape.replace(letters={{**shape.letters, '{symbol}': 1}}) gives the shape that letter",
+                )
+    return given

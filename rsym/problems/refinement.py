@@ -1,0 +1,68 @@
+"""Refinement: twice the cells, and up to two degrees more, until the estimate of an error is small enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, TypeVar
+
+from rsym.errors import RsymError, warn
+from rsym.reports.numbers import short
+from rsym.sampling.progress import Progress, report
+
+T = TypeVar("T")
+
+TOLERANCE = 1e-8
+FIRST_CELLS = 8
+STEPS = 6
+HIGHEST_DEGREE = 6
+# Twice the cells make four or eight times the unknowns: more than so many are not begun.
+MOST_UNKNOWNS = {2: 60_000, 3: 20_000}
+
+
+class Grade(NamedTuple):
+    """One step of a refinement: cells along the longest side, degree, unknowns, and the estimate of the error."""
+
+    cells: int
+    degree: int
+    unknowns: int
+    estimate: float
+
+
+def refined(
+    attempt: Callable[[int, int], tuple[T, int, float]],
+    dimension: int,
+    degree: int,
+    tolerance: float | None,
+    progress: Progress | None,
+) -> tuple[T, tuple[Grade, ...]]:
+    """What ``attempt(cells, degree)`` answers, with its unknowns and the estimate of its error, on the last grid.
+
+    Examples
+    --------
+    >>> found, grades = refined(lambda cells, degree: (cells, 100, 1 / cells), 2, 4, 0.1, None)
+    >>> found, [grade.degree for grade in grades]
+    (16, [4, 5])
+    """
+    tolerance = TOLERANCE if tolerance is None else tolerance
+    grades: list[Grade] = []
+    best: T | None = None
+    for step in range(STEPS):
+        report(progress, step, STEPS)
+        cells, p = FIRST_CELLS * 2**step, max(degree, min(degree + min(step, 2), HIGHEST_DEGREE))
+        try:
+            best, unknowns, estimate = attempt(cells, p)
+        except RsymError as error:
+            if error.code != "cells" or step == STEPS - 1:
+                raise
+            continue
+        grades.append(Grade(cells, p, unknowns, estimate))
+        if estimate <= tolerance or 2**dimension * unknowns > MOST_UNKNOWNS[dimension]:
+            break
+    assert best is not None
+    report(progress, STEPS, STEPS)
+    if grades[-1].estimate > tolerance:
+        warn(
+            f"the estimate of the error is {short(grades[-1].estimate)}, above the tolerance of {short(tolerance)}; "
+            "give the number of cells, or a larger tolerance"
+        )
+    return best, tuple(grades)

@@ -1,0 +1,378 @@
+"""What `solve` answers: a function of the coordinates that meets the conditions on values exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy as sp
+from numpy.typing import ArrayLike
+
+from rsym.arrays import Flags, Floats
+from rsym.backends.kernel import compile
+from rsym.errors import RsymError
+from rsym.model.arguments import whole
+from rsym.model.shape import Shape
+from rsym.problems.conditions import assigned
+from rsym.problems.galerkin import Discretisation
+from rsym.problems.printed import printed
+from rsym.problems.problem import Problem, on_part, vanished, with_corners
+from rsym.problems.refinement import Grade
+from rsym.problems.splines.cardinals import derivatives, product_terms
+from rsym.problems.splines.evaluation import jets
+from rsym.problems.splines.web import WebSplines
+from rsym.problems.systems.linear import solve_system
+from rsym.reports.document import Document, Sentence, Tabular, numerical
+from rsym.reports.numbers import short
+from rsym.reports.render import Report
+from rsym.reports.words import plural
+from rsym.sampling.extent import extent
+from rsym.sampling.rules.quadrature import Quadrature, quadrature
+
+# Of the size of the shape: points of the boundary are known to rounding.
+ON_BOUNDARY = 1e-12
+AT_ONCE = 1 << 18  # points
+NEWTON_STEPS = 8
+# The rule has so many points more than the degree along each direction of a cell.
+MORE_POINTS = 4
+
+
+class Attained(NamedTuple):
+    """A value of a field, and a point where it has it.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> top = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).maximum()
+    >>> round(top.value, 12), len(top.point)
+    (0.25, 2)
+    """
+
+    value: float
+    point: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class SolutionReport(Report):
+    """How a solution was found.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> report = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).report
+    >>> report.unknowns, report.degree, report.steps
+    (96, 4, 0)
+    """
+
+    unknowns: int
+    degree: int
+    cells: int
+    points: int
+    steps: int
+    residual: float
+    estimate: float | None
+    grades: tuple[Grade, ...]
+    unresolved: float
+    eigenvalue: float | None = None
+
+    def document(self) -> Document:
+        """Unknowns, rule, how the system was solved, and the estimate of the error, which is one: nothing is proved."""
+        told = [
+            f"{plural(self.unknowns, 'unknown')}: splines of degree {self.degree} on cells of which "
+            f"{self.cells} are the longest side, {plural(self.points, 'point')} of integration."
+        ]
+        way = f"conjugate gradients in {plural(self.steps, 'step')}" if self.steps else "factors"
+        told.append(f"The system was solved by {way}; its residual is {short(self.residual)} of the right side.")
+        if self.unresolved:
+            told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
+        error = "not estimated" if self.estimate is None else f"about {short(self.estimate)} of the largest value"
+        rows = tuple((str(g.cells), str(g.degree), str(g.unknowns), short(g.estimate)) for g in self.grades)
+        tables = (Tabular(("cells", "degree", "unknowns", "estimate"), rows),) if rows else ()
+        return Document(
+            "solution",
+            Sentence(f"The error, an estimate, is {error}.", False),
+            sentences=numerical(told),
+            tables=tables,
+            data={
+                "unknowns": self.unknowns,
+                "degree": self.degree,
+                "cells": self.cells,
+                "points": self.points,
+                "steps": self.steps,
+                "residual": self.residual,
+                "estimate": self.estimate,
+            },
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution:
+    """A field on a shape: ``solution(x, y)`` gives its values, NaN outside.
+
+    Attributes
+    ----------
+    problem : Problem
+        The shape, the equation and the conditions.
+    splines : WebSplines
+        The functions whose sum it is, times the weight.
+    coefficients, others : arrays
+        Theirs, and those of the functions beside them, such as the levels of holes.
+    report : SolutionReport
+        Unknowns, rule, system, estimate.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> u = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8)
+    >>> u(0, [0, 0.6, 2]).round(10).tolist()
+    [0.25, 0.16, nan]
+    >>> (u.gradient(0.5, 0).round(10) + 0.0).tolist(), float(u.laplacian(0.1, 0.3).round(8))
+    ([-0.25, 0.0], -1.0)
+    """
+
+    problem: Problem
+    splines: WebSplines
+    coefficients: Floats
+    others: Floats
+    report: SolutionReport
+    order: int
+
+    def __repr__(self) -> str:
+        cells = " x ".join(map(str, self.splines.counts))
+        return f"<Solution of {plural(self.report.unknowns, 'unknown')} on {cells} cells>"
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was compiled and computed on the way is made again."""
+        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
+
+    @property
+    def shape(self) -> Shape:
+        """What it is a field on, with the letters it was solved for as defaults."""
+        return self.problem.shape
+
+    @cached_property
+    def rule(self) -> Quadrature:
+        """The rule of integration that it was found with."""
+        return rule_for(self.problem, self.report.cells, self.order)
+
+    def jets(self, points: Floats, order: int = 1) -> Floats:
+        """The derivatives (kinds, n) up to an order of at most 2 at points (n, dimension), whether inside or not.
+
+        They come in the order value, first and second derivatives: u, u_x, u_y, u_xx, u_xy, u_yy.
+        """
+        kinds = len(derivatives(self.problem.dimension, order))
+        found = np.zeros((kinds, len(points)))
+        for first in range(0, len(points), AT_ONCE):
+            some = slice(first, first + AT_ONCE)
+            here = points[some]
+            weight = self.problem.weight(order)(here)
+            phi = jets(self.splines, self.coefficients[None], here, order)[:, 0]
+            for term in product_terms(self.problem.dimension, order):
+                found[term.whole, some] += term.times * weight[term.left] * phi[term.right]
+            lift = self.problem.lift(order)
+            if lift is not None:
+                found[:, some] += lift(here)
+            if len(self.others):
+                found[:, some] += np.einsum("f,kfn->kn", self.others, self.problem.extras(here, order))
+        return found
+
+    def __call__(self, *coordinates: ArrayLike) -> Any:
+        """Values at points; coordinates broadcast, outside it is NaN."""
+        return self._field(coordinates, 0)[0]
+
+    def gradient(self, *coordinates: ArrayLike) -> Any:
+        """The gradient (..., dimension) at points."""
+        return np.moveaxis(self._field(coordinates, 1)[1:], 0, -1)
+
+    def laplacian(self, *coordinates: ArrayLike) -> Any:
+        """The Laplacian at points; about an axis that of the body in space."""
+        found = self._field(coordinates, 2)
+        every = derivatives(self.problem.dimension, 2)
+        total = sum(found[k] for k, index in enumerate(every) if 2 in index)
+        axis = self.problem.axis
+        if axis < 0:
+            return total
+        radius = np.broadcast_arrays(*map(np.asarray, coordinates))[1 - axis]
+        with np.errstate(all="ignore"):
+            # On the axis u_r/r is u_rr.
+            pure = found[every.index(tuple(2 * (k == 1 - axis) for k in range(2)))]
+            return total + np.where(radius == 0, pure, found[1 + (1 - axis)] / radius)
+
+    def sampled(self, *coordinates: Any, letters: Mapping[Any, float] | None = None) -> dict[str, Any]:
+        """Value and gradient at points, for pictures: also beside the shape, in the cells that it touches, else NaN."""
+        arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
+        points = np.stack([array.ravel() for array in arrays], axis=1)
+        found, on = np.full((1 + self.problem.dimension, len(points)), np.nan), self.splines.carried(points)
+        found[:, on] = self.jets(points[on], 1)
+        parts = found.reshape(-1, *arrays[0].shape)
+        return {"value": parts[0], "gradient": np.moveaxis(parts[1:], 0, -1)}
+
+    def _field(self, coordinates: tuple[ArrayLike, ...], order: int) -> Floats:
+        if len(coordinates) != self.problem.dimension:
+            raise RsymError(
+                f"a field on this shape takes {self.problem.dimension} coordinates, got {len(coordinates)}",
+                code="arity",
+            )
+        arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
+        points = np.stack([array.ravel() for array in arrays], axis=1)
+        found = np.full((len(derivatives(self.problem.dimension, order)), len(points)), np.nan)
+        inside = self.inside(points)
+        found[:, inside] = self.jets(points[inside], order)
+        return found.reshape(-1, *arrays[0].shape)
+
+    def inside(self, points: Floats) -> Flags:
+        """Which points (n, dimension) belong to the shape, those of the boundary to rounding."""
+        kernel = compile(self.shape, ("value", "gradient"), at_corners="one-sided")
+        found = kernel(*points.T)
+        size = float(np.max(self.splines.size * self.splines.counts))
+        with np.errstate(all="ignore"):
+            near = found["value"] >= -ON_BOUNDARY * size * np.linalg.norm(found["gradient"], axis=-1)
+        inside: Flags = ((found["value"] >= 0) | near) & (self.splines.cell_of(points) >= 0)
+        return inside
+
+    # -- numbers -----------------------------------------------------------------------------------------------------
+
+    def integral(self) -> float:
+        """The integral over the shape; about an axis that over the body in space, 2 pi and the radius in it."""
+        points = self.rule.points
+        turn = 1.0 if self.problem.axis < 0 else 2 * np.pi
+        return float(turn * np.sum(self.rule.weights * self.problem.radius(points) * self.jets(points, 0)[0]))
+
+    def flux(self, part: str | None = None) -> float:
+        """The flux through a part of the boundary, outwards: the integral of k du/dn; of all of it without a name.
+
+        Raises
+        ------
+        RsymError
+            For a name that no part of the boundary has.
+        """
+        boundary, problem = self.rule.boundary, self.problem
+        on = np.ones(len(boundary.weights), np.bool_)
+        if part is not None:
+            on = on_part(problem, boundary.leaves, part)
+        points = np.ascontiguousarray(boundary.points[on])
+        dimension = problem.dimension
+        diffusion = problem.coefficients(points)[: dimension * dimension].reshape(dimension, dimension, -1)
+        along = np.einsum("ni,ijn,jn->n", boundary.normals[on], diffusion, self.jets(points, 1)[1:])
+        turn = 1.0 if problem.axis < 0 else 2 * np.pi
+        return float(turn * np.sum(boundary.weights[on] * problem.radius(points) * along))
+
+    def minimum(self) -> Attained:
+        """The least value and a point where it is, found by Newton's method from the least of a few for each cell."""
+        return self._least(1)
+
+    def maximum(self) -> Attained:
+        """The greatest value and a point where it is."""
+        least = self._least(-1)
+        return Attained(-least.value, least.point)
+
+    def _least(self, sign: int) -> Attained:
+        points = np.concatenate((self.rule.points, self.rule.boundary.points))
+        values = sign * self.jets(points, 0)[0]
+        best = int(np.argmin(values))
+        point, value = points[best], float(values[best])
+        dimension = self.problem.dimension
+        place = point[None].copy()
+        for _ in range(NEWTON_STEPS):
+            found = sign * self.jets(place, 2)[:, 0]
+            hessian = np.empty((dimension, dimension))
+            for k, index in enumerate(derivatives(dimension, 2)[1 + dimension :]):
+                i, j = (axis for axis, times in enumerate(index) for _ in range(times))
+                hessian[i, j] = hessian[j, i] = found[1 + dimension + k]
+            if not np.linalg.eigvalsh(hessian)[0] > 0:
+                break
+            step = np.linalg.solve(hessian, found[1 : 1 + dimension])
+            length = float(np.linalg.norm(step / self.splines.size))
+            place = place - step / max(1.0, length)
+            if not self.inside(place)[0]:
+                break
+            here = float(sign * self.jets(place, 0)[0, 0])
+            if here < value:
+                point, value = place[0].copy(), here
+        return Attained(value, tuple(float(one) for one in point))
+
+    def formula(self, degree: int = 6) -> sp.Expr:
+        """An expression: the weight times the best polynomial of a total degree, and the lift.
+
+        It meets the conditions on values identically, letters of the shape symbolic in it; the coefficients are those
+        for the letters of the solution.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y
+        >>> u = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).formula(0)
+        >>> abs(u.subs({x: 0.6, y: 0.0}) - 0.16) < 1e-12, u.subs({x: 1, y: 0})
+        (True, 0)
+        """
+        whole(degree, "the degree", 0)
+        if self.report.eigenvalue is not None:
+            raise RsymError("a mode has no formula of this kind", code="formula", remedy="solve has")
+        smooth = replace(self.problem, corners=())
+        return printed(Discretisation(smooth, self.rule, self.report.degree), degree)
+
+    def with_letters(self, values: Mapping[Any, float]) -> Solution:
+        """The same problem for other letters, with the same cells and degree: new matrices, nothing compiled."""
+        if self.report.eigenvalue is not None:
+            raise RsymError(
+                "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
+            )
+        problem = replace(self.problem, shape=self.shape.with_letters(values), corners=())
+        problem = with_corners(problem) if self.problem.corners else problem
+        rule = rule_for(problem, self.report.cells, self.order)
+        return solved(problem, rule, self.report.cells, self.report.degree)
+
+
+def with_rule(solution: Solution, rule: Quadrature) -> Solution:
+    """The same solution, that knows its rule already."""
+    solution.__dict__["rule"] = rule
+    return solution
+
+
+def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
+    """The rule of integration of a problem."""
+    box = problem.shape.bounds
+    with suppress(RsymError):
+        found = extent(problem.shape)
+        # Bounds with room beside the shape would be cells without it.
+        if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
+            box = found
+    near = [one.corner.point for one in problem.corners] or None
+    rule = quadrature(problem.shape, cells=cells, order=order, bounds=box, near=near)
+    names = assigned(problem.shape, list(problem.named))
+    there = {names[leaf] for leaf in np.unique(rule.boundary.leaves) if leaf < len(names)}
+    for name in problem.named:
+        if isinstance(name, str) and name not in there:
+            raise vanished(name)
+    return rule
+
+
+def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:
+    """The solution on a rule."""
+    if degree < problem.order:
+        raise RsymError(
+            f"an equation of the order {problem.equation.order} needs splines of the degree {problem.order} at least",
+            code="degree",
+        )
+    discrete = Discretisation(problem, rule, degree)
+    definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
+    found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
+    inner = discrete.splines.extension.shape[1]
+    told = SolutionReport(
+        unknowns=len(found.values),
+        degree=degree,
+        cells=cells,
+        points=len(rule.weights),
+        steps=found.steps,
+        residual=found.residual,
+        estimate=None,
+        grades=(),
+        unresolved=getattr(rule, "unresolved", 0.0),
+    )
+    coefficients = discrete.splines.extension @ found.values[:inner]
+    made = Solution(problem, discrete.splines, coefficients, found.values[inner:], told, degree + MORE_POINTS)
+    return with_rule(made, rule)

@@ -1,0 +1,203 @@
+"""Boundary value problems on shapes: the public `solve`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported, UnknownLevel
+from rsym.errors import RsymError
+from rsym.model.arguments import coordinate, whole
+from rsym.model.letters import Letter
+from rsym.model.requirements import require_shape
+from rsym.model.shape import Shape
+from rsym.problems.conditions import given_by_name, resolved
+from rsym.problems.equations import equation_of
+from rsym.problems.loops import holes
+from rsym.problems.problem import Problem, with_corners
+from rsym.problems.refinement import HIGHEST_DEGREE, refined
+from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
+from rsym.sampling.progress import Progress
+
+
+def solve(
+    shape: Shape,
+    equation: Any,
+    conditions: Any,
+    *,
+    degree: int = 4,
+    cells: int | None = None,
+    tolerance: float | None = None,
+    letters: Mapping[Any, Any] | None = None,
+    axis: Any = None,
+    corners: bool = True,
+    progress: Progress | None = None,
+) -> Solution:
+    """The solution of a linear elliptic equation on a shape.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane or in space, bounded; its parts have names, by ``shape.named(name)``.
+    equation : text or SymPy
+        ``"-laplacian(u) = 2"``, ``"-div(k*grad(u)) + c*u = f"``, ``"-laplacian(u) + dot([1, 0], grad(u)) = 0"``, or a
+        SymPy equation in ``sympy.Function("u")(x, y)``. Text is read by a parser of its own and never run.
+    conditions : mapping, or one condition for all of the boundary
+        Names of parts to a value, an expression, ``rsym.robin(c, h)``, ``rsym.neumann(h)``, ``rsym.constant()``;
+        the key ``...`` is the rest. Where nothing is said nothing flows.
+    degree : int
+        Of the splines, 1 to 6.
+    cells : int, optional
+        Along the longest side; one system is solved then.
+    tolerance : float, optional
+        Without `cells`, they are doubled and the degree is raised until the estimate of the error, a share of the
+        largest value, is below it; 1e-8 by default. The estimate is the difference from splines of one degree less.
+    letters : mapping, optional
+        Override the defaults of the shape, and say what other names in the equation are: a number, an expression, a
+        Shape (its omega), a Python function of arrays of coordinates.
+    axis : coordinate, optional
+        The shape in the plane is half the section of a body of revolution about this axis; u does not depend on the
+        angle, and operators are those of space.
+    corners : bool
+        Whether functions of their own are added at corners of a shape in the plane where solutions are singular; an
+        equation that diffuses differently in different directions has none.
+    progress : callable, optional
+        ``progress(done, total)``; an answer of False cancels.
+
+    Returns
+    -------
+    Solution
+        A function of the coordinates, on which values are exact on the boundary.
+
+    Raises
+    ------
+    RsymError
+        For an equation that is not elliptic, not linear or of an order that is not offered, an unknown part, a problem
+        without a single answer, too few cells.
+
+    Warns
+    -----
+    RsymWarning
+        Where the tolerance is not reached.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> ring = rsym.disc(1).named("rim") - rsym.disc(0.5).named("bore")
+    >>> u = rsym.solve(ring, "-laplacian(u) = 0", {"rim": rsym.neumann(1), "bore": 0}, cells=16)
+    >>> abs(u(0, 1) - 0.6931471805599453) < 1e-6
+    np.True_
+    """
+    problem = problem_of(shape, equation, conditions, letters=letters, axis=axis)
+    problem = with_corners(problem) if corners else problem
+    checked_degree(degree)
+    if cells is not None:
+        whole(cells, "the cells", 1)
+        rule = rule_for(problem, cells, degree + MORE_POINTS)
+        return solved(problem, rule, cells, degree)
+
+    def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
+        made = solved(problem, rule_for(problem, cells, degree + MORE_POINTS), cells, degree)
+        return made, made.report.unknowns, estimated(made)
+
+    found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
+    told = replace(found.report, estimate=grades[-1].estimate, grades=grades)
+    return with_rule(replace(found, report=told), found.rule)
+
+
+def checked_degree(degree: Any) -> int:
+    """A degree that splines are offered in."""
+    whole(degree, "the degree", 1)
+    if degree > HIGHEST_DEGREE:
+        raise RsymError(f"the degree must be 1 to {HIGHEST_DEGREE}, got {degree}", code="degree")
+    return int(degree)
+
+
+def problem_of(
+    shape: Shape,
+    equation: Any,
+    conditions: Any,
+    *,
+    letters: Mapping[Any, Any] | None = None,
+    axis: Any = None,
+    single: bool = True,
+) -> Problem:
+    """The data of a problem, checked; `single`: whether it must have one answer."""
+    require_shape(shape)
+    named, numbers = {}, {}
+    for key, value in (letters or {}).items():
+        name = str(key)
+        is_number = isinstance(value, int | float | Fraction | sp.Number | Letter)
+        if name in shape.letters or is_number:
+            numbers[name] = value
+        else:
+            named[name] = value
+            if isinstance(value, Shape):
+                shape = shape.replace(letters={**value.letters, **shape.letters})
+    shape = shape.with_letters({name: value for name, value in numbers.items() if name in shape.letters})
+    shape = shape.replace(letters={**{n: v for n, v in numbers.items() if n not in shape.letters}, **shape.letters})
+    for name in shape.letters:
+        named.setdefault(name, sp.Symbol(name, real=True))
+    found = equation_of(equation, shape.coordinates, named)
+    turned = -1
+    if axis is not None:
+        if shape.dimension != 2:
+            raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
+        turned = coordinate(axis, shape.coordinates, "the axis")
+    on_leaves = resolved(shape, conditions)
+    unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
+    made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
+    _require_fitting(made)
+    if single:
+        _require_single(made)
+    return made
+
+
+def _require_fitting(problem: Problem) -> None:
+    """Refuse conditions of another order than the equation's."""
+    if problem.order == 1 and problem.leaves(Clamped):
+        raise RsymError(
+            "rsym.clamped() gives a value and a slope, one too many for an equation of the second order",
+            code="condition",
+            remedy="give a value, rsym.neumann or rsym.robin; or an equation with bilaplacian(u)",
+        )
+    if problem.order == 2 and any(any(problem.conditions[leaf].values) for leaf in problem.leaves(Robin)):  # type: ignore[union-attr]
+        raise RsymError(
+            "conditions on du/dn alone are none of a plate",
+            code="condition",
+            remedy="rsym.clamped(), rsym.supported(), or nothing for a free edge",
+        )
+
+
+def _require_single(problem: Problem) -> None:
+    """Refuse a problem whose solutions differ by constants."""
+    fixed = problem.leaves(Dirichlet, Clamped, Supported)
+    lossy = [
+        leaf
+        for leaf in problem.leaves(Robin)
+        if problem.conditions[leaf].coefficient != 0  # type: ignore[union-attr]
+    ]
+    if not fixed and not lossy and problem.equation.reaction == 0:
+        raise RsymError(
+            "nothing fixes the level of the solution: with it every u + constant is one",
+            code="singular",
+            remedy="give a value on some part, rsym.robin on one, or a term c*u in the equation",
+        )
+
+
+def estimated(solution: Solution) -> float:
+    """How far one degree less is away, in the root of the mean square, as a share of the largest value."""
+    rule, degree = solution.rule, solution.report.degree - 1
+    if degree < solution.problem.order:
+        return np.inf
+    lower = solved(solution.problem, rule, solution.report.cells, degree)
+    values, others = (one.jets(rule.points, 0)[0] for one in (solution, lower))
+    largest = float(np.max(np.abs(values)))
+    if largest == 0:
+        return 0.0
+    return float(np.sqrt(np.sum(rule.weights * (values - others) ** 2) / np.sum(rule.weights)) / largest)

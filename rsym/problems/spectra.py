@@ -1,0 +1,187 @@
+"""Eigenvalues and modes of shapes: drums, plates, closed rooms, sloshing."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import sympy as sp
+from scipy import sparse
+
+from rsym.analysis.conditions import Dirichlet
+from rsym.arrays import Floats
+from rsym.errors import RsymError
+from rsym.model.arguments import whole
+from rsym.model.shape import Shape
+from rsym.problems.galerkin import Discretisation, at_values
+from rsym.problems.problem import Problem, on_part, value_at, with_corners
+from rsym.problems.refinement import Grade, refined
+from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
+from rsym.problems.solving import checked_degree, problem_of
+from rsym.problems.systems.forms import CellPoints, extended
+from rsym.problems.systems.linear import eigenpairs
+from rsym.reports.words import plural
+from rsym.sampling.progress import Progress
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Spectrum:
+    """The least eigenvalues of a shape, ascending, and the modes, each of which has the mean square 1 by the mass.
+
+    Attributes
+    ----------
+    values : (count,)
+        The eigenvalues.
+    modes : tuple of Solution
+        Functions of the coordinates; the sign of each is such that its largest value is positive.
+    grades : tuple
+        The refinement, of which the last estimate is a share of each eigenvalue.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> drum = rsym.modes(rsym.disc(1), 3, cells=8)
+    >>> drum.values.round(6).tolist()
+    [5.783186, 14.681971, 14.681971]
+    >>> drum.modes[0](0, 0).round(4)
+    np.float64(1.0868)
+    """
+
+    values: Floats
+    modes: tuple[Solution, ...]
+    grades: tuple[Grade, ...] = ()
+
+    def __repr__(self) -> str:
+        return (
+            f"<Spectrum of {plural(len(self.values), 'eigenvalue')} from {self.values[0]:.6g} to {self.values[-1]:.6g}>"
+        )
+
+
+def modes(
+    shape: Shape,
+    count: int = 6,
+    conditions: Any = None,
+    *,
+    mass: Any = 1,
+    equation: Any = "-laplacian(u) = 0",
+    degree: int = 4,
+    cells: int | None = None,
+    tolerance: float | None = None,
+    letters: Mapping[Any, Any] | None = None,
+    axis: Any = None,
+    corners: bool = True,
+    progress: Progress | None = None,
+) -> Spectrum:
+    """The least eigenvalues and the modes of a shape: L u = lambda*m*u with homogeneous conditions.
+
+    Parameters
+    ----------
+    shape : Shape
+        As in `solve`.
+    count : int
+        How many.
+    conditions : mapping or one condition, optional
+        As in `solve`, values 0; without any u = 0 on all of the boundary. ``{}`` is a closed room: nothing flows.
+    mass : number, expression, Shape, function, or mapping
+        m; of a mapping of names of parts that on these parts of the boundary, none inside: sloshing has
+        ``{"surface": 1}``.
+    equation : text or SymPy
+        Its operator is L; ``"bilaplacian(u) = 0"`` for plates.
+    degree, cells, tolerance, letters, axis, corners, progress
+        As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
+
+    Raises
+    ------
+    RsymError
+        As `solve`, and for conditions that are not homogeneous, more modes than unknowns.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> float(rsym.modes(rsym.disc(1), 1, cells=8).values[0].round(7))
+    5.783186
+    >>> abs(rsym.modes(rsym.rectangle(2, 1), 3, {}, cells=8).values).round(4).tolist()
+    [0.0, 2.4674, 9.8696]
+    """
+    whole(count, "the number of modes", 1)
+    checked_degree(degree)
+    problem = problem_of(
+        shape, equation, 0 if conditions is None else conditions, letters=letters, axis=axis, single=False
+    )
+    problem = with_corners(problem) if corners else problem
+    if problem.lift_expression != 0 or not problem.equation.symmetric:
+        raise RsymError(
+            "modes need conditions with values 0, and an equation without first derivatives",
+            code="condition",
+            remedy="solve(shape, equation, conditions) answers what is not homogeneous",
+        )
+    if cells is not None:
+        return _spectrum(problem, cells, degree, count, mass)
+
+    def attempt(cells: int, degree: int) -> tuple[Spectrum, int, float]:
+        made, lower = (_spectrum(problem, cells, p, count, mass) for p in (degree, degree - 1))
+        scale = np.maximum(np.abs(made.values), np.abs(made.values).max() * 1e-3)
+        return made, made.modes[0].report.unknowns, float(np.max(np.abs(made.values - lower.values) / scale))
+
+    found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
+    return replace(found, grades=grades)
+
+
+def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) -> Spectrum:
+    order = degree + MORE_POINTS
+    rule = rule_for(problem, cells, order)
+    discrete = Discretisation(problem, rule, degree)
+    stiffness, masses = discrete.matrix, _masses(discrete, mass)
+    if count >= stiffness.shape[0] - 1:
+        raise RsymError(f"{count} modes of {stiffness.shape[0]} unknowns", code="cells", remedy="ask for more cells")
+    # Where constants are modes the stiffness alone has no factors.
+    grid = rule.grid
+    free = not problem.leaves(Dirichlet)
+    shift = -1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order if free else 0.0
+    values, vectors = eigenpairs(stiffness, masses, count, shift)
+    inner = discrete.splines.extension.shape[1]
+    made = SolutionReport(
+        unknowns=stiffness.shape[0],
+        degree=degree,
+        cells=cells,
+        points=len(rule.weights),
+        steps=0,
+        residual=0.0,
+        estimate=None,
+        grades=(),
+        unresolved=getattr(rule, "unresolved", 0.0),
+    )
+    found = []
+    for value, vector in zip(values, vectors.T, strict=True):
+        size = np.sqrt(abs(vector @ (masses @ vector)))
+        one = Solution(
+            problem,
+            discrete.splines,
+            discrete.splines.extension @ vector[:inner] / size,
+            vector[inner:] / size,
+            replace(made, eigenvalue=float(value)),
+            order,
+        )
+        sampled = one.jets(rule.points, 0)[0]
+        if sampled[np.argmax(np.abs(sampled))] < 0:
+            one = replace(one, coefficients=-one.coefficients, others=-one.others)
+        found.append(with_rule(one, rule))
+    return Spectrum(values, tuple(found))
+
+
+def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
+    """The matrix of the mass, inside or on parts of the boundary."""
+    shape = discrete.problem.shape
+    if not isinstance(mass, Mapping):
+        return discrete.mass(mass if callable(mass) or isinstance(mass, Shape) else sp.sympify(mass, strict=True))
+    boundary = discrete.rule.boundary
+    total = 0
+    for part, density in mass.items():
+        on = on_part(discrete.problem, boundary.leaves, part)
+        where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
+        value = density if callable(density) else sp.sympify(density, strict=True)
+        weights = boundary.weights[on] * discrete.problem.radius(where.points) * value_at(shape, value, where.points)
+        total = total + discrete.assembler.matrix(where, at_values(weights, discrete.kinds), discrete.tests)
+    return extended(discrete.splines, total)

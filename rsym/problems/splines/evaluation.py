@@ -1,0 +1,105 @@
+"""Values and derivatives of tensor B-splines at points, in compiled loops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+from rsym.problems.splines.cardinals import derivatives, digits, pieces
+from rsym.problems.splines.web import WebSplines
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+try:
+    from rsym.sampling.sharp.loops import loop as loop
+    from rsym.sampling.sharp.loops import step as step
+except ImportError:
+    # Without numba they run as they stand, slowly.
+    def loop(function: F) -> F:
+        """Leave a loop to the interpreter."""
+        return function
+
+    step = loop
+
+
+def jets(splines: WebSplines, coefficients: Floats, points: Floats, order: int) -> Floats:
+    """The derivatives up to an order, (kinds, functions, n), at points (n, dimension), of splines by coefficients.
+
+    coefficients : (functions, active). Beside the grid, and where no spline is active, they are 0.
+
+    Examples
+    --------
+    >>> splines = WebSplines(np.zeros(2), np.ones(2), (4, 4), 2, np.arange(36), np.ones(36, bool))
+    >>> jets(splines, np.ones((1, 36)), np.array([[1.3, 2.7]]), 1).round(12).tolist()
+    [[[1.0]], [[0.0]], [[0.0]]]
+    """
+    kinds = np.array(derivatives(splines.dimension, order), np.int64)
+    cells = splines.cell_of(points)
+    inside = np.flatnonzero(cells >= 0)
+    whole = np.zeros((len(coefficients), int(np.prod(splines.shape))))
+    whole[:, splines.active] = coefficients
+    found = np.zeros((len(points), len(kinds), len(coefficients)))
+    local = digits(splines.degree + 1, splines.dimension)
+    table = np.empty((splines.dimension, order + 1, splines.degree + 1))
+    _jets(
+        np.ascontiguousarray(points[inside], np.float64),
+        splines.cells(cells[inside]),
+        *(splines.lower, splines.size, pieces(splines.degree), local, kinds),
+        *(np.array(splines.shape, np.int64), whole, table, inside, found),
+    )
+    return np.ascontiguousarray(found.transpose(1, 2, 0))
+
+
+@step
+def tabulate(point: Any, cell: Any, lower: Floats, size: Floats, coefficients: Floats, table: Floats) -> None:
+    """The splines that live on a cell along each axis, and their derivatives, at a point: table (axis, order, spline).
+
+    Derivatives of a polynomial by Horner's rule: that of order k gathers that of order k - 1, k times.
+    """
+    dimension, orders, count = table.shape
+    for axis in range(dimension):
+        t = (point[axis] - lower[axis]) / size[axis] - cell[axis]
+        for i in range(count):
+            for k in range(orders):
+                table[axis, k, i] = 0.0
+            for power in range(count - 1, -1, -1):
+                for k in range(orders - 1, 0, -1):
+                    table[axis, k, i] = table[axis, k, i] * t + k * table[axis, k - 1, i]
+                table[axis, 0, i] = table[axis, 0, i] * t + coefficients[i, power]
+            scale = 1.0
+            for k in range(1, orders):
+                scale /= size[axis]
+                table[axis, k, i] *= scale
+
+
+@loop
+def _jets(
+    points: Floats,
+    cells: Ints,
+    lower: Floats,
+    size: Floats,
+    coefficients: Floats,
+    local: Ints,
+    kinds: Ints,
+    shape: Ints,
+    whole: Floats,
+    table: Floats,
+    places: Ints,
+    found: Floats,
+) -> None:
+    count, dimension = points.shape
+    for k in range(count):
+        tabulate(points[k], cells[k], lower, size, coefficients, table)
+        for spline in range(len(local)):
+            flat = 0
+            for axis in range(dimension):
+                flat = flat * shape[axis] + cells[k, axis] + local[spline, axis]
+            for kind in range(len(kinds)):
+                value = 1.0
+                for axis in range(dimension):
+                    value *= table[axis, kinds[kind, axis], local[spline, axis]]
+                for function in range(len(whole)):
+                    found[places[k], kind, function] += value * whole[function, flat]

@@ -1,0 +1,6 @@
+"""Linear systems of forms on weighted splines: a rule comes in, sparse matrices and their answers go out.
+
+- `axis_sums`: what whole cells have in common; `cell_code`: compiled loops over cells
+- `forms`: a form at the points of a rule, and its matrix
+- `linear`: linear systems and eigenvalues
+"""

@@ -1,0 +1,216 @@
+"""Forms at the points of a rule, and their matrices on weighted splines.
+
+A form is given by its values (n, kinds, kinds) on the derivatives of two functions at n points, weights of the rule
+in it: the integral of grad u . grad v has the weights on the diagonal, but for the first place, that of values.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from scipy import sparse
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.backends.kernel import checked_threads
+from rsym.problems.splines.cardinals import derivatives, digits, pieces, product_terms
+from rsym.problems.splines.web import WebSplines
+from rsym.problems.systems.axis_sums import AxisSums
+from rsym.problems.systems.cell_code import (
+    cell_loads,
+    cell_matrices,
+    compressed,
+    gather,
+    gather_loads,
+    pull_back,
+    pull_back_loads,
+    whole_cell_loads,
+    whole_cell_matrices,
+)
+
+# Cells whose matrices are held at once; where their pieces begin depends on nothing else.
+AT_ONCE = 1024
+GRAIN = 64
+
+Weight: TypeAlias = Callable[[Floats], Floats]  # points (n, dimension) to derivatives (kinds, n)
+
+
+class Chunk(NamedTuple):
+    """Some cells: their numbers, where their points begin in a slice of all, which have those of a plain rule."""
+
+    cells: Ints
+    begins: Ints
+    plain: Flags
+    points: slice
+
+
+@dataclass(frozen=True)
+class CellPoints:
+    """Points (n, dimension) of a rule, sorted by cells, and the number of the cell of each.
+
+    plain : cells whose points are those of the plain Gauss rule of an order, the last coordinate fastest, if there are
+        as many as there.
+    """
+
+    points: Floats
+    cells: Ints
+
+    plain: Ints = field(default_factory=lambda: np.empty(0, np.int64))
+    order: int = 0
+
+    @cached_property
+    def groups(self) -> tuple[Ints, Ints, Flags]:
+        """The cells that have points, where those of each begin, with the end, and whether they are a plain rule's."""
+        cells, begins = np.unique(self.cells, return_index=True)
+        begins = np.append(begins, len(self.cells)).astype(np.int64)
+        plain = np.isin(cells, self.plain) & (np.diff(begins) == self.order ** self.points.shape[1])
+        return cells.astype(np.int64), begins, plain
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Some cells after the others."""
+        cells, begins, plain = self.groups
+        for first in range(0, len(cells), AT_ONCE):
+            some = slice(first, first + AT_ONCE)
+            ends = begins[first : first + AT_ONCE + 1]
+            yield Chunk(cells[some], ends - ends[0], plain[some], slice(int(ends[0]), int(ends[-1])))
+
+
+FormAt: TypeAlias = Callable[[slice, Floats], Floats]  # which points, and these, to (n, kinds, kinds)
+LoadAt: TypeAlias = Callable[[slice, Floats], Floats]  # to (n, kinds, functions)
+
+
+@dataclass(frozen=True)
+class Assembler:
+    """Matrices of forms on the splines of a grid, weighted.
+
+    order : of the highest derivatives in the forms.
+    """
+
+    splines: WebSplines
+    order: int = 1
+    threads: int | None = None
+
+    @property
+    def kinds(self) -> int:
+        """How many derivatives there are."""
+        return len(derivatives(self.splines.dimension, self.order))
+
+    def matrix(
+        self, where: CellPoints, form: FormAt, tests: Weight, trials: Weight | None = None, *, symmetric: bool = True
+    ) -> sparse.csr_matrix:
+        """The matrix (active, active) of a form of functions with weights, the second of those of the first if None."""
+        splines, local = self.splines, self._local
+        shape = np.array(splines.shape, np.int64)
+        offsets = digits(2 * splines.degree + 1, splines.dimension) - splines.degree
+        stencil = np.zeros((len(splines.active), len(offsets)))
+        terms = np.array(product_terms(splines.dimension, self.order), np.int64)
+        out = np.empty((AT_ONCE, len(local), len(local)))
+        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        with self._pool() as pool:
+            for chunk in where.chunks():
+                points = np.ascontiguousarray(where.points[chunk.points])
+                given = np.ascontiguousarray(form(chunk.points, points))
+                first = tests(points)
+                pulled = np.empty_like(given)
+                pull_back(terms, first, first if trials is None else trials(points), given, pulled)
+                cells = splines.cells(chunk.cells)
+                whole, cut = np.flatnonzero(chunk.plain), np.flatnonzero(~chunk.plain)
+
+                def work(
+                    some: Ints,
+                    chunk: Chunk = chunk,
+                    cells: Ints = cells,
+                    points: Floats = points,
+                    pulled: Floats = pulled,
+                ) -> None:
+                    if chunk.plain[some[0]]:
+                        tables = sums.pairs, sums.parents, sums.along, sums.places
+                        scratch = np.empty((2, sums.largest))
+                        whole_cell_matrices(chunk.begins, pulled, some, *tables, symmetric, scratch, out)
+                        return
+                    features = np.empty((2, self.kinds, len(local)))
+                    cell_matrices(
+                        *(chunk.begins, some, cells, points, pulled, *self._grid, symmetric),
+                        *(self._table(), features[0], features[1], out),
+                    )
+
+                pieces = [kind[k : k + GRAIN] for kind in (cut, whole) for k in range(0, len(kind), GRAIN)]
+                _each(pool, work, pieces)
+                gather(cells, out, local, shape, splines.number, symmetric, stencil)
+        return self._compressed(stencil, offsets, shape)
+
+    def loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int = 1) -> Floats:
+        """The loads (count, active) of so many linear forms."""
+        splines, local = self.splines, self._local
+        shape = np.array(splines.shape, np.int64)
+        terms = np.array(product_terms(splines.dimension, self.order), np.int64)
+        total = np.zeros((count, len(splines.active)))
+        features = np.empty((self.kinds, len(local)))
+        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        for chunk in where.chunks():
+            points = np.ascontiguousarray(where.points[chunk.points])
+            given = np.ascontiguousarray(load(chunk.points, points))
+            pulled = np.empty_like(given)
+            pull_back_loads(terms, tests(points), given, pulled)
+            cells, out = splines.cells(chunk.cells), np.empty((len(chunk.cells), count, len(local)))
+            whole, cut = np.flatnonzero(chunk.plain), np.flatnonzero(~chunk.plain)
+            if len(whole):
+                whole_cell_loads(chunk.begins, pulled, whole, sums.everywhere, out)
+            cell_loads(chunk.begins, cut, cells, points, pulled, *self._grid, self._table(), features, out)
+            gather_loads(cells, out, local, shape, splines.number, total)
+        return total
+
+    @cached_property
+    def _local(self) -> Ints:
+        return digits(self.splines.degree + 1, self.splines.dimension)
+
+    @property
+    def _grid(self) -> tuple[Floats, Floats, Floats, Ints, Ints]:
+        kinds = np.array(derivatives(self.splines.dimension, self.order), np.int64)
+        return self.splines.lower, self.splines.size, pieces(self.splines.degree), self._local, kinds
+
+    def _table(self) -> Floats:
+        return np.empty((self.splines.dimension, self.order + 1, self.splines.degree + 1))
+
+    @contextmanager
+    def _pool(self) -> Iterator[Executor | None]:
+        count = checked_threads(self.threads)
+        if count == 1:
+            yield None
+            return
+        with ThreadPoolExecutor(count) as pool:
+            yield pool
+
+    def _compressed(self, stencil: Floats, offsets: Ints, shape: Ints) -> sparse.csr_matrix:
+        most = int(np.count_nonzero(stencil))
+        begins = np.empty(len(stencil) + 1, np.int64)
+        columns, values = np.empty(most, np.int64), np.empty(most)
+        compressed(stencil, self.splines.active, offsets, shape, self.splines.number, begins, columns, values)
+        return sparse.csr_matrix((values, columns.astype(np.int32), begins.astype(np.int32)), (len(stencil),) * 2)
+
+
+def _each(pool: Executor | None, work: Callable[[Ints], None], pieces: Sequence[Ints]) -> None:
+    if pool is None:
+        for piece in pieces:
+            work(piece)
+    else:
+        list(pool.map(work, pieces))
+
+
+def extended(splines: WebSplines, matrix: sparse.csr_matrix, others: WebSplines | None = None) -> sparse.csr_matrix:
+    """A matrix on all active splines as one on the inner ones: E^T A E.
+
+    Outer splines are few: only their rows and columns are multiplied.
+    """
+    left, right = splines.extension, (others or splines).extension
+    rows, columns = splines.inner, (others or splines).inner
+    tails, tops = left[~rows], right[~columns]
+    middle = matrix[rows][:, columns]
+    across = matrix[rows][:, ~columns] @ tops
+    down = tails.T @ (matrix[~rows][:, columns] + matrix[~rows][:, ~columns] @ tops)
+    return (middle + across + down).tocsr()

@@ -1,0 +1,174 @@
+"""Rules on cut pieces in the plane: Gauss along the base between breaks, then along the height.
+
+Breaks of the base are where a leaf that matters meets the ends of the piece, where two of them meet inside, and where
+one stands upright. Between breaks every root is a smooth function of the base.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.rules.columns import CellRule, Columns, gauss
+from rsym.sampling.rules.curves import EndCurves, Gaps, along, gap_bounds, placed
+from rsym.sampling.rules.division import BoundedFunctions, CutPieces
+from rsym.sampling.rules.isolation import isolate, roots
+from rsym.sampling.rules.lines import Lines
+from rsym.sampling.rules.segments import Segments
+from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST
+
+SAME = 4.0  # tolerances; breaks and roots so close are one
+
+
+def plane_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> CellRule:
+    """The rule on plane pieces with a height."""
+    ends = np.stack([pieces.lower, pieces.upper], axis=1)
+    bases = _Bases(Columns.of(functions, pieces), along(ends, 1 - pieces.axis))
+    return bases.rule(bases.segments(), order)
+
+
+@dataclass(frozen=True)
+class _Bases:
+    """Columns in the plane, and the ends (2, n) of their bases."""
+
+    columns: Columns
+    base: Floats
+
+    def segments(self) -> Segments:
+        """The parts of the bases between breaks."""
+        count = len(self.columns.pieces)
+        piece, place, stands = self._ends()
+        all_pieces = np.concatenate([np.arange(count), np.arange(count), piece])
+        all_places = np.concatenate([self.base[0], self.base[1], place])
+        rough = self._parted(all_pieces, all_places)
+        crossing = self._crossings(*rough)
+        rough = self._parted(np.concatenate([all_pieces, crossing[0]]), np.concatenate([all_places, crossing[1]]))
+        return Segments.of(*rough, piece[stands], place[stands])
+
+    def _ends(self) -> tuple[Ints, Floats, Flags]:
+        """Where leaves meet the ends of their piece: piece, place, and whether the leaf stands upright."""
+        pieces = self.columns.pieces
+        which = np.concatenate([np.flatnonzero(~self.columns.upright), np.arange(len(pieces.leaf))])
+        top = np.arange(len(which)) < (~self.columns.upright).sum()
+        piece = pieces.piece[which]
+        axis, height = pieces.axis[piece], np.where(top, self.columns.height[1, piece], self.columns.height[0, piece])
+        curves = EndCurves(self.columns.functions, pieces.leaf[which], axis, height)
+        lower, upper = self.base[:, piece]
+        every = np.arange(len(which))
+        below, _ = curves.evaluate(every, lower)
+        above, _ = curves.evaluate(every, upper)
+        least, most = along(pieces.gradient[:, :, which], 1 - axis)
+        brackets, double, middle = isolate(curves, lower, upper, below, above, least, most)
+        found = np.concatenate([brackets.which, double])
+        places = np.concatenate([roots(curves, brackets), middle])
+        return piece[found], places, self.columns.upright[which[found]]
+
+    def _parted(self, piece: Ints, place: Floats) -> tuple[Ints, Floats, Floats]:
+        """CutPieces cut at places: piece, lower and upper end of each part."""
+        order = np.lexsort((place, piece))
+        piece, place = piece[order], place[order]
+        # A break next to the one before is the same; the last one of a piece is its end.
+        wide = place[1:] - place[:-1] > SAME * self.columns.functions.tolerance
+        part = np.flatnonzero((piece[1:] == piece[:-1]) & wide)
+        return piece[part], place[part], place[part + 1]
+
+    def _crossings(self, piece: Ints, lower: Floats, upper: Floats) -> tuple[Ints, Floats]:
+        """Where two leaves meet inside of parts."""
+        pieces, functions = self.columns.pieces, self.columns.functions
+        part, pair = self.columns.pairs(piece)
+        rises = ~self.columns.upright[pair]
+        several = np.bincount(part[rises], minlength=len(piece))[part] > 1
+        part, pair = part[rises & several], pair[rises & several]
+        if not len(part):
+            return np.empty(0, np.int64), np.empty(0)
+        own = piece[part]
+        middle = (lower / 2 + upper / 2)[part]
+        ends = [
+            functions.evaluate(pieces.leaf[pair], placed(pieces.axis[own], middle, self.columns.height[k, own]))[0] > 0
+            for k in (0, 1)
+        ]
+        present = ends[0] != ends[1]
+        part, pair = part[present], pair[present]
+        one, other = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
+        for apart in range(1, int(np.bincount(part).max(initial=1))):
+            same = np.flatnonzero(part[apart:] == part[:-apart])
+            one.append(same)
+            other.append(same + apart)
+        first, second = np.concatenate(one), np.concatenate(other)
+        if not len(first):
+            return np.empty(0, np.int64), np.empty(0)
+        own = piece[part[first]]
+        axis = pieces.axis[own]
+        leaves = pieces.leaf[np.stack([pair[first], pair[second]])]
+        curves = Gaps(functions, leaves, axis, self.columns.height[0, own], self.columns.height[1, own])
+        least, most = gap_bounds(pieces.gradient[:, :, pair[first]], pieces.gradient[:, :, pair[second]], axis)
+        left, right = lower[part[first]], upper[part[first]]
+        every = np.arange(len(first))
+        below, _ = curves.evaluate(every, left)
+        above, _ = curves.evaluate(every, right)
+        brackets, double, middles = isolate(curves, left, right, below, above, least, most)
+        found = np.concatenate([brackets.which, double])
+        return own[found], np.concatenate([roots(curves, brackets), middles])
+
+    def rule(self, segments: Segments, order: int) -> CellRule:
+        """The points on lines across segments, and on upright leaves."""
+        x, w = gauss(order)
+        width = segments.upper - segments.lower
+        base = (segments.lower[:, None] + x * width[:, None]).ravel()
+        lines = self.columns.lines(np.repeat(segments.piece, order), base)
+        walls = self.columns.lines(segments.stand_piece, segments.stand_place)
+        kind = np.where(segments.before < 0, FIRST, np.where(segments.after < 0, LAST, BETWEEN))
+        weight = np.ones(len(kind))
+        if self.columns.functions.gates is None:
+            which, leaf = self._walls(segments, walls, kind)
+            walls = walls.chosen(which)
+            parts, _ = walls.walked(weight[which], None)
+            along_walls = replace(parts, leaf=leaf[parts.line])
+        else:
+            along_walls = walls.walked_upright(kind, *self._sides(segments), weight)
+        return self.columns.rule(lines, (w * width[:, None]).ravel(), walls, along_walls, order)
+
+    def _walls(self, segments: Segments, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:
+        """Lines on which a wall stands, and a leaf that is it; at an end of the piece it is positive within."""
+        functions, pieces = self.columns.functions, self.columns.pieces
+        line, pair = self.columns.pairs(segments.stand_piece)
+        some = lines.upright & functions.walls[lines.leaf] & (np.abs(lines.below) <= SAME * functions.tolerance)
+        line, pair = line[some], pair[some]
+        inner = np.where(kind == FIRST, segments.after, segments.before)[line]
+        middle = (segments.lower / 2 + segments.upper / 2)[inner]
+        own, leaf = segments.stand_piece[line], pieces.leaf[pair]
+        value, _ = functions.evaluate(leaf, placed(pieces.axis[own], middle, self.columns.height[0, own]))
+        fits = (kind[line] == BETWEEN) | (value > 0)
+        which, first = np.unique(line[fits], return_index=True)
+        leaf = leaf[fits][first]
+        return which, np.where(kind[which] == BETWEEN, leaf, ~leaf)
+
+    def _sides(self, segments: Segments) -> tuple[Any, Any]:
+        """For each place where leaves stand, the signs (n, leaves) to the left and to the right, of upright ones too.
+
+        Beyond an end of the piece a leaf that is zero there has the other sign.
+        """
+        pieces, functions, tolerance = (
+            self.columns.pieces,
+            self.columns.functions,
+            SAME * self.columns.functions.tolerance,
+        )
+        piece, before, after = segments.stand_piece, segments.before, segments.after
+        left, right = pieces.signs[piece], pieces.signs[piece]
+        line, pair = self.columns.pairs(piece)
+        line, pair = line[self.columns.upright[pair]], pair[self.columns.upright[pair]]
+        own = piece[line]
+        axis, height, leaf = pieces.axis[own], self.columns.height[0, own], pieces.leaf[pair]
+        middle = segments.lower / 2 + segments.upper / 2
+
+        def at(base: Floats) -> Floats:
+            return functions.evaluate(leaf, placed(axis, base[line], height))[0]
+
+        zero = np.abs(at(segments.stand_place)) <= tolerance
+        one, other = (np.where(at(middle[number]) > 0, 1, -1) for number in (before, after))
+        left[line, leaf] = np.where(before[line] >= 0, one, np.where(zero, -other, other))
+        right[line, leaf] = np.where(after[line] >= 0, other, np.where(zero, -one, one))
+        return left, right

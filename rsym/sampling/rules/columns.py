@@ -1,0 +1,124 @@
+"""Cut pieces as columns over their bases: the lines along the height, and Gauss rules between roots on them.
+
+On each line the form's sign is that of its gates, from the signs of leaves below and above each root.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.rules.curves import Risers, along, heights_between, placed
+from rsym.sampling.rules.division import BoundedFunctions, CutPieces, span, starts
+from rsym.sampling.rules.lines import Lines, Panels
+
+
+@cache
+def gauss(order: int) -> tuple[Floats, Floats]:
+    """Points and weights on [0, 1]."""
+    x, w = np.polynomial.legendre.leggauss(order)
+    return (x + 1) / 2, w / 2
+
+
+@dataclass(frozen=True)
+class CellRule:
+    """Points (dim, n) and weights inside, and on the boundary with leaf; `owner` are the cells."""
+
+    points: Floats
+    weights: Floats
+    owner: Ints
+    edge_points: Floats
+    edge_weights: Floats
+    edge_leaf: Ints
+    edge_owner: Ints
+
+
+def rules_together(rules: list[CellRule]) -> CellRule:
+    """Rules as one, by cell."""
+    names = CellRule.__dataclass_fields__
+    parts = [np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in names]
+    inner, edge = np.argsort(parts[2], kind="stable"), np.argsort(parts[6], kind="stable")
+    return CellRule(*(part[..., inner] for part in parts[:3]), *(part[..., edge] for part in parts[3:]))
+
+
+def tensor_rule(lower: Floats, upper: Floats, owner: Ints, order: int) -> CellRule:
+    """The plain Gauss rule on boxes (dim, n)."""
+    x, w = gauss(order)
+    dimension = len(lower)
+    place = np.stack(np.meshgrid(*[x] * dimension, indexing="ij")).reshape(dimension, 1, -1)
+    weight = np.prod(np.stack(np.meshgrid(*[w] * dimension, indexing="ij")).reshape(dimension, -1), axis=0)
+    side = upper - lower
+    points = (lower[:, :, None] + side[:, :, None] * place).reshape(dimension, -1)
+    weights = (np.prod(side, axis=0)[:, None] * weight).ravel()
+    none = np.empty((dimension, 0)), np.empty(0), np.empty(0, np.int64), np.empty(0, np.int64)
+    return CellRule(points, weights, np.repeat(owner, len(weight)), *none)
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Pieces with the ends (2, n) of their heights, and which (m,) of the leaves that matter in them stand upright."""
+
+    functions: BoundedFunctions
+    pieces: CutPieces
+    height: Floats
+    upright: Flags
+
+    @classmethod
+    def of(cls, functions: BoundedFunctions, pieces: CutPieces) -> Columns:
+        """Of pieces that have a height."""
+        ends = np.stack([pieces.lower, pieces.upper], axis=1)
+        slopes = along(pieces.gradient, pieces.axis[pieces.piece])
+        return cls(functions, pieces, along(ends, pieces.axis), (slopes == 0).all(axis=0))
+
+    def lines(self, piece: Ints, base: Floats) -> Lines:
+        """The lines of pieces above places (..., n) of their bases."""
+        pieces = self.pieces
+        line, pair = self.pairs(piece)
+        leaf, own = pieces.leaf[pair], piece[line]
+        curves = Risers(self.functions, leaf, pieces.axis[own], base[..., line])
+        lower, upper = self.height[:, own]
+        below = curves.distances(np.arange(len(line)), lower)
+        above, rising = below.copy(), np.flatnonzero(~self.upright[pair])
+        above[rising] = curves.distances(rising, upper[rising])
+        root = heights_between(curves, lower, upper, below, above)
+        begin = starts(np.diff(pieces.start)[piece])
+        ends, upright = self.height[:, piece], self.upright[pair]
+        return Lines(self.functions, piece, base, ends, begin, leaf, upright, below, above, root)
+
+    def pairs(self, piece: Ints) -> tuple[Ints, Ints]:
+        """For pieces in any order, the leaves that matter in each: the number in the order, and of piece and leaf."""
+        counts = np.diff(self.pieces.start)[piece]
+        return np.repeat(np.arange(len(piece)), counts), span(self.pieces.start[:-1][piece], counts)
+
+    def rule(self, lines: Lines, weight: Floats, walls: Lines, along_walls: Panels, order: int) -> CellRule:
+        """The rule on lines of such weights, and on intervals of the lines on upright leaves."""
+        panels, edges = lines.walked(weight, self.pieces.signs[lines.piece])
+        points, weights, owner, _ = self._spread(lines, panels, order)
+        wall_points, wall_weights, wall_owner, wall_leaf = self._spread(walls, along_walls, order)
+        own, leaf = lines.piece[edges.line], edges.leaf
+        edge_points = placed(self.pieces.axis[own], lines.base[..., edges.line], edges.lower)
+        _, gradient = self.functions.evaluate(np.where(leaf < 0, ~leaf, leaf), edge_points)
+        with np.errstate(all="ignore"):
+            longer = np.sqrt((gradient**2).sum(axis=0)) / np.abs(along(gradient, self.pieces.axis[own]))
+        return CellRule(
+            points,
+            weights,
+            owner,
+            np.concatenate([edge_points, wall_points], axis=1),
+            np.concatenate([edges.weight * longer, wall_weights]),
+            np.concatenate([leaf, wall_leaf]),
+            np.concatenate([self.pieces.owner[own], wall_owner]),
+        )
+
+    def _spread(self, lines: Lines, panels: Panels, order: int) -> tuple[Floats, Floats, Ints, Ints]:
+        """Points, weights, cells and leaves of a Gauss rule on intervals of lines."""
+        x, w = gauss(order)
+        tall = panels.upper - panels.lower
+        line = np.repeat(panels.line, order)
+        height = (panels.lower[:, None] + x * tall[:, None]).ravel()
+        points = placed(self.pieces.axis[lines.piece[line]], lines.base[..., line], height)
+        weights = (w * (tall * panels.weight)[:, None]).ravel()
+        return points, weights, self.pieces.owner[lines.piece[line]], np.repeat(panels.leaf, order)

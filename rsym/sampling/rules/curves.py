@@ -1,0 +1,158 @@
+"""What is a function of one variable in the columns of cut cells: leaves on their ends, along their heights, and gaps.
+
+In a piece of a cell the base runs along one axis and the height along the other. A *gap* is the difference of two
+leaves' heights h over the base: h' = -f_s/f_t.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+from rsym.sampling.rules.division import BoundedFunctions
+from rsym.sampling.rules.isolation import Brackets, roots
+
+
+def placed(height_axis: Ints, base: Floats, height: Floats) -> Floats:
+    """Points (dim, n) with these places (n,), or (2, n) in space, along the base and along the height."""
+    if base.ndim == 1:
+        upright = height_axis == 1
+        return np.stack([np.where(upright, base, height), np.where(upright, height, base)])
+    first = np.where(height_axis == 0, height, base[0])
+    second = np.where(height_axis == 1, height, np.where(height_axis == 0, base[0], base[1]))
+    return np.stack([first, second, np.where(height_axis == 2, height, base[1])])
+
+
+def along(gradient: Floats, axis: Ints) -> Floats:
+    """One component of gradients (dim, n), or of their bounds (dim, 2, n)."""
+    return np.take_along_axis(gradient, axis.reshape(1, *[1] * (gradient.ndim - 2), -1), axis=0)[0]
+
+
+@dataclass(frozen=True)
+class EndCurves:
+    """Leaves along the base, at a fixed height of their piece."""
+
+    functions: BoundedFunctions
+    leaf: Ints
+    axis: Ints
+    height: Floats
+
+    @property
+    def tolerance(self) -> float:
+        """Of values."""
+        return self.functions.tolerance
+
+    def evaluate(self, which: Ints, at: Floats) -> tuple[Floats, Floats]:
+        """Values and slopes."""
+        axis = self.axis[which]
+        value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, at, self.height[which]))
+        return value, along(gradient, 1 - axis)
+
+    def enclose(self, which: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds of slopes."""
+        axis, height = self.axis[which], self.height[which]
+        ends = placed(axis, lower, height), placed(axis, upper, height)
+        _, gradient = self.functions.enclose(self.leaf[which], *ends)
+        least, most = along(gradient, 1 - axis)
+        return least, most
+
+
+@dataclass(frozen=True)
+class Risers:
+    """Leaves along the height, at a fixed place of the base."""
+
+    functions: BoundedFunctions
+    leaf: Ints
+    axis: Ints
+    base: Floats
+
+    @property
+    def tolerance(self) -> float:
+        """Of values."""
+        return self.functions.tolerance
+
+    def evaluate(self, which: Ints, at: Floats) -> tuple[Floats, Floats]:
+        """Values and slopes."""
+        axis = self.axis[which]
+        value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[..., which], at))
+        return value, along(gradient, axis)
+
+    def distances(self, which: Ints, at: Floats) -> Floats:
+        """Values, over the lengths of gradients shorter than 1: near singular points small values count."""
+        axis = self.axis[which]
+        value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[..., which], at))
+        length = np.sqrt((gradient**2).sum(axis=0))
+        found: Floats = value / np.where((length > 0) & (length < 1), length, 1.0)
+        return found
+
+    def enclose(self, which: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Never asked: they only rise or fall."""
+        raise NotImplementedError
+
+
+def heights(functions: BoundedFunctions, leaf: Ints, axis: Ints, base: Floats, lower: Floats, upper: Floats) -> Floats:
+    """Where leaves are zero above places of the base; the nearer end where they keep their sign."""
+    curves = Risers(functions, leaf, axis, base)
+    every = np.arange(len(leaf))
+    below, _ = curves.evaluate(every, lower)
+    above, _ = curves.evaluate(every, upper)
+    return heights_between(curves, lower, upper, below, above)
+
+
+def heights_between(curves: Risers, lower: Floats, upper: Floats, below: Floats, above: Floats) -> Floats:
+    """The same, given the values at the ends."""
+    found = np.where(np.abs(below) <= np.abs(above), lower, upper)
+    crossing = np.flatnonzero((below > 0) != (above > 0))
+    bracket = Brackets(crossing, *(a[crossing] for a in (lower, upper, below, above)))
+    found[crossing] = roots(curves, bracket)
+    return found
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """Differences of the heights of two leaves in the same piece."""
+
+    functions: BoundedFunctions
+    leaf: Ints  # (2, n)
+    axis: Ints
+    lower: Floats
+    upper: Floats
+
+    @property
+    def tolerance(self) -> float:
+        """Of heights."""
+        return self.functions.tolerance
+
+    def evaluate(self, which: Ints, at: Floats) -> tuple[Floats, Floats]:
+        """Values and slopes."""
+        axis, count = np.tile(self.axis[which], 2), len(which)
+        base, leaf = np.tile(at, 2), self.leaf[:, which].ravel()
+        height = heights(self.functions, leaf, axis, base, np.tile(self.lower[which], 2), np.tile(self.upper[which], 2))
+        _, gradient = self.functions.evaluate(leaf, placed(axis, base, height))
+        with np.errstate(all="ignore"):
+            slope = -along(gradient, 1 - axis) / along(gradient, axis)
+        return height[:count] - height[count:], slope[:count] - slope[count:]
+
+    def enclose(self, which: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds of slopes."""
+        axis = self.axis[which]
+        ends = placed(axis, lower, self.lower[which]), placed(axis, upper, self.upper[which])
+        one, other = (self.functions.enclose(self.leaf[k, which], *ends)[1] for k in (0, 1))
+        return gap_bounds(one, other, axis)
+
+
+def gap_bounds(one: Floats, other: Floats, axis: Ints) -> tuple[Floats, Floats]:
+    """Bounds of the slope of a gap from bounds (2, 2, n) of the gradients of its leaves."""
+    (a, b), (c, d) = (_climb(gradient, axis) for gradient in (one, other))
+    return a - d, b - c
+
+
+def _climb(gradient: Floats, axis: Ints) -> tuple[Floats, Floats]:
+    """Bounds of -f_s/f_t; infinite where f_t may be zero."""
+    (p, q), (u, v) = along(gradient, 1 - axis), along(gradient, axis)
+    with np.errstate(all="ignore"):
+        ratios = np.stack([-p / u, -p / v, -q / u, -q / v])
+    known = (u > 0) | (v < 0)
+    return np.where(known, ratios.min(axis=0), -np.inf), np.where(known, ratios.max(axis=0), np.inf)

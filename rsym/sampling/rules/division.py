@@ -1,0 +1,258 @@
+"""Cells divided until each is inside, outside, or such that along one axis every leaf that matters only rises or falls.
+
+The bounds of leaves over a cell give signs; gates whose operands decide nothing there are left out. What remains
+*matters*: leaves of open sign. An axis serves as the height if all of these have a slope along it that is bounded away
+from zero, or none at all: then each meets a line along the axis once at most, or contains it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.sharp.loops import loop
+
+INSIDE, OPEN, OUTSIDE = 1, 0, -1
+# A leaf may climb so steeply over the axes across; or as steeply as it likes if its slope along the height changes by
+# this factor at most in the cell.
+STEEP, EVEN = 3.0, 1.3
+FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a steep one
+MOST = 64  # parts of a cell left open at a level
+GRADED = 28  # levels of division towards a given point
+
+
+class BoundedFunctions(Protocol):
+    """What divides a cell: functions with bounds."""
+
+    dimension: int
+    tolerance: float
+    gates: Ints | None  # none: every part is wanted, and the functions only part the cells
+    walls: Flags  # of functions that part cells, those that are the boundary's
+
+    def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
+        """From bounds of values the signs of all leaves, the verdict on each piece, and which of its leaves matter.
+
+        The pieces have bounds of gradients: where these vanish values are as small as their squares.
+        """
+
+    def evaluate(self, leaf: Ints, points: Floats) -> tuple[Floats, Floats]:
+        """Values (n,) of leaf[k] at point k of (dim, n), and gradients (dim, n)."""
+
+    def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds (2, n) of leaf[k] over box k of (dim, n), and (dim, 2, n) of its gradient."""
+
+
+@dataclass(frozen=True)
+class CutPieces:
+    """Parts of cells, and the leaves that matter in each.
+
+    Attributes
+    ----------
+    lower, upper : (dim, n)
+    owner : (n,)
+        The cell that each is a part of.
+    signs : (n, leaves) int8
+        What is known of all leaves.
+    start, leaf : (n + 1,), (m,)
+        Leaves ``leaf[start[k]:start[k + 1]]`` matter in piece k.
+    gradient : (dim, 2, m)
+        Bounds of their gradients.
+    axis : (n,)
+        The height, where there is one.
+    proved : (n,)
+        Whether that is proved.
+    """
+
+    lower: Floats
+    upper: Floats
+    owner: Ints
+    signs: Any
+    start: Ints
+    leaf: Ints
+    gradient: Floats
+    axis: Ints
+    proved: Flags
+
+    def __len__(self) -> int:
+        return len(self.owner)
+
+    @property
+    def piece(self) -> Ints:
+        """The piece in which each leaf matters."""
+        return np.repeat(np.arange(len(self)), np.diff(self.start))
+
+    def chosen(self, which: Flags, kept: Flags | None = None) -> CutPieces:
+        """Some of the pieces, with some of their leaves."""
+        pairs = which[self.piece] if kept is None else which[self.piece] & kept
+        counts = np.bincount(self.piece[pairs], minlength=len(self))[which]
+        return replace(
+            self,
+            lower=self.lower[:, which],
+            upper=self.upper[:, which],
+            owner=self.owner[which],
+            signs=self.signs[which],
+            start=starts(counts),
+            leaf=self.leaf[pairs],
+            gradient=self.gradient[:, :, pairs],
+            axis=self.axis[which],
+            proved=self.proved[which],
+        )
+
+    def halved(self) -> CutPieces:
+        """The parts of each when all its sides are halved."""
+        dimension, parts = len(self.lower), 1 << len(self.lower)
+        corner = np.indices((2,) * dimension).reshape(dimension, 1, parts)
+        middle = (self.lower / 2 + self.upper / 2)[:, :, None]
+        lower = np.where(corner == 0, self.lower[:, :, None], middle).reshape(dimension, -1)
+        upper = np.where(corner == 0, middle, self.upper[:, :, None]).reshape(dimension, -1)
+        counts = np.repeat(np.diff(self.start), parts)
+        pairs = span(np.repeat(self.start[:-1], parts), counts)
+        return CutPieces(
+            lower,
+            upper,
+            np.repeat(self.owner, parts),
+            np.repeat(self.signs, parts, axis=0),
+            starts(counts),
+            self.leaf[pairs],
+            np.empty((dimension, 2, 0)),
+            np.repeat(self.axis, parts),
+            np.repeat(self.proved, parts),
+        )
+
+
+def starts(counts: Ints) -> Ints:
+    """Where each of so many things begins, and the end."""
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def span(first: Ints, counts: Ints) -> Ints:
+    """The numbers first[k], first[k] + 1, ... so many for each k, in a row."""
+    begin = starts(counts)
+    found: Ints = np.repeat(first - begin[:-1], counts) + np.arange(begin[-1])
+    return found
+
+
+def undivided(lower: Floats, upper: Floats, owner: Ints, leaves: int) -> CutPieces:
+    """Whole cells, of which nothing is known."""
+    count, dimension = len(owner), len(lower)
+    return CutPieces(
+        lower,
+        upper,
+        owner,
+        np.zeros((count, leaves), np.int8),
+        np.arange(count + 1) * leaves,
+        np.tile(np.arange(leaves), count),
+        np.empty((dimension, 2, 0)),
+        np.full(count, -1),
+        np.ones(count, bool),
+    )
+
+
+@dataclass(frozen=True)
+class Divided:
+    """What cells were divided into.
+
+    Attributes
+    ----------
+    lower, upper, owner : (dim, n), (dim, n), (n,)
+        Parts wholly inside.
+    cut : list of CutPieces
+        Those that the boundary may cross, with a height.
+    whole : (m,)
+        The cells that are inside, undivided.
+    """
+
+    lower: Floats
+    upper: Floats
+    owner: Ints
+    whole: Ints
+    cut: list[CutPieces]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far cells are divided.
+
+    usual, deepest : so many levels where much is left open, as along a curve on which gradients vanish, and little.
+    uneven : by this factor the slope of a leaf along the height may change in a cell. On a torus 2 takes twice the
+        points of 3 and gains two digits; in the plane it takes a tenth more.
+    """
+
+    usual: int
+    deepest: int
+    uneven: float
+
+
+def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats, limits: Limits) -> Divided:
+    """Divide cells; those close to one of the points `near` (k, dim) are divided towards it."""
+    inside = [(cells.lower[:, :0], cells.upper[:, :0], cells.owner[:0])]
+    whole = np.empty(0, np.int64)
+    cut: list[CutPieces] = []
+    pieces = cells
+    for level in range(max(limits.deepest, GRADED if len(near) else 0) + 1):
+        if not len(pieces):
+            break
+        value, gradient = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
+        pieces = replace(pieces, gradient=gradient)
+        signs, verdict, kept = functions.judge(pieces, value)
+        pieces = replace(pieces, signs=signs)
+        towards = close(pieces, near) if level < GRADED else np.zeros(len(pieces), bool)
+        full = (verdict == INSIDE) & ~towards
+        inside.append((pieces.lower[:, full], pieces.upper[:, full], pieces.owner[full]))
+        if level == 0:
+            whole = pieces.owner[full]
+        pieces = pieces.chosen((verdict == OPEN) | ((verdict == INSIDE) & towards), kept)
+        towards = towards[(verdict == OPEN) | ((verdict == INSIDE) & towards)]
+        axis, proved = np.empty(len(pieces), np.int64), np.empty(len(pieces), bool)
+        choose_axes(pieces.start, pieces.gradient, limits.uneven, axis, proved)
+        pieces = replace(pieces, axis=axis, proved=proved)
+        going = ~proved & ~towards
+        crowd = np.bincount(pieces.owner[going], minlength=1) if going.any() else np.zeros(1, np.int64)
+        last = (level >= limits.usual) & (crowd[np.minimum(pieces.owner, len(crowd) - 1)] > MOST) | (
+            level >= limits.deepest
+        )
+        done = (proved | last) & ~towards
+        cut.append(pieces.chosen(done))
+        pieces = pieces.chosen(~done).halved()
+    parts = [np.concatenate(p, axis=-1) for p in zip(*inside, strict=True)]
+    return Divided(parts[0], parts[1], parts[2], whole, cut)
+
+
+def close(pieces: CutPieces, near: Floats) -> Flags:
+    """Which pieces are not small against their distance from one of the points."""
+    half = (pieces.upper - pieces.lower) / 2
+    found = np.zeros(len(pieces), bool)
+    for point in near:
+        place = point[:, None]
+        found |= ((place >= pieces.lower - half) & (place <= pieces.upper + half)).all(axis=0)
+    return found
+
+
+@loop
+def choose_axes(start: Any, gradient: Any, uneven: float, axis: Any, proved: Any) -> None:
+    """The axis that serves best as the height of each piece, and whether it does."""
+    dimension = gradient.shape[0]
+    for piece in range(len(axis)):
+        best, chosen, good = -1.0, 0, False
+        for k in range(dimension):
+            score, fits = 1.0, True
+            for pair in range(start[piece], start[piece + 1]):
+                low, high = gradient[k, 0, pair], gradient[k, 1, pair]
+                if low == 0 and high == 0:
+                    score = min(score, FLAT_SCORE)
+                    continue
+                least, most, across = max(low, -high, 0.0), max(-low, high), 0.0
+                for j in range(dimension):
+                    if j != k:
+                        across = max(across, max(-gradient[j, 0, pair], gradient[j, 1, pair]))
+                gentle = STEEP * least >= across and most <= uneven * least
+                if not (least > 0 and (gentle or most <= EVEN * least)):
+                    fits = False
+                ratio = least / max(most, across)
+                score = min(score, ratio) if ratio >= 0 else 0.0
+            if (fits and not good) or (fits == good and score > best):
+                best, chosen, good = score, k, fits
+        axis[piece], proved[piece] = chosen, good

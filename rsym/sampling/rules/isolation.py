@@ -1,0 +1,123 @@
+"""All roots of many functions of one variable, each on an interval of its own: isolated by bounds of their slopes.
+
+A function whose slope is known to keep its sign has at most one root, told by the signs at the ends; one whose value
+in the middle is larger than what the slope can make up for has none; other intervals are halved. So two roots close to
+each other are found, wherever they lie. What is left of a double root is a very short interval, of which the middle
+is given. Nothing here depends on which functions are asked for together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+
+HALVINGS = 30  # a double root is then met to half the digits, which is as well as its place is known
+MOST = 64  # intervals left of one function at a level: it is zero all along, or its slope is not bounded
+STEPS = 200
+# After a Newton step that is so small, as a part of the bracket, the next is below rounding.
+CLOSE, ROUNDING = 1e-10, 4e-16
+HASTE = 8  # Newton steps before every third one halves the bracket
+
+
+class Curves(Protocol):
+    """BoundedFunctions of one variable, by their numbers."""
+
+    tolerance: float
+
+    def evaluate(self, which: Ints, at: Floats) -> tuple[Floats, Floats]:
+        """Values and slopes."""
+
+    def enclose(self, which: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds of slopes."""
+
+
+@dataclass(frozen=True)
+class Brackets:
+    """Intervals on which functions change their sign once, and the values at their ends."""
+
+    which: Ints
+    lower: Floats
+    upper: Floats
+    below: Floats
+    above: Floats
+
+
+def isolate(
+    curves: Curves, lower: Floats, upper: Floats, below: Floats, above: Floats, least: Floats, most: Floats
+) -> tuple[Brackets, Ints, Floats]:
+    """Brackets of the roots of functions 0 to n - 1 on their intervals, and functions and places of double roots.
+
+    `below`, `above` are the values at the ends, `least` and `most` bound the slopes. A value within the tolerance
+    counts as negative.
+    """
+    which = np.arange(len(lower))
+    found: list[tuple[Ints, ...]] = []
+    double: list[tuple[Ints, Floats]] = []
+    for level in range(HALVINGS + 1):
+        steepest = np.maximum(np.abs(least), np.abs(most))
+        tolerance = curves.tolerance * np.minimum(1.0, steepest)
+        changes = (below > tolerance) != (above > tolerance)
+        done = (least > 0) | (most < 0)
+        # No root where the ends are too large for the slope: half the interval from each.
+        reach = steepest * (upper - lower)
+        done |= ~changes & (np.abs(below) + np.abs(above) > reach + 2 * tolerance)
+        take = done & changes
+        found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
+        going = ~done & ~(np.abs(below) + reach <= tolerance)  # zero all along
+        which, lower, upper, below, above, least, most = (
+            a[going] for a in (which, lower, upper, below, above, least, most)
+        )
+        if not len(which):
+            break
+        crowd = np.bincount(which)[which] > MOST
+        if level == HALVINGS or crowd.any():
+            last = crowd | (level == HALVINGS)
+            changes = changes[going]
+            take = last & changes
+            found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
+            double.append((which[last & ~changes], (lower / 2 + upper / 2)[last & ~changes]))
+            which, lower, upper, below, above = (a[~last] for a in (which, lower, upper, below, above))
+            if not len(which):
+                break
+        middle = lower / 2 + upper / 2
+        between, _ = curves.evaluate(which, middle)
+        which = np.tile(which, 2)
+        lower, upper = np.concatenate([lower, middle]), np.concatenate([middle, upper])
+        below, above = np.concatenate([below, between]), np.concatenate([between, above])
+        least, most = curves.enclose(which, lower, upper)
+    brackets = Brackets(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    if not double:
+        return brackets, np.empty(0, np.int64), np.empty(0)
+    return brackets, np.concatenate([a for a, _ in double]), np.concatenate([b for _, b in double])
+
+
+def roots(curves: Curves, brackets: Brackets) -> Floats:
+    """The root in each bracket, by Newton steps that never leave it; where a value at an end is zero, that end."""
+    lower, upper, below, above = (a.copy() for a in (brackets.lower, brackets.upper, brackets.below, brackets.above))
+    found = np.where(np.abs(below) <= np.abs(above), lower, upper)
+    live = np.flatnonzero(below * np.sign(above) < 0)
+    with np.errstate(all="ignore"):
+        place = lower - below * ((upper - lower) / (above - below))
+    a, b, x = lower[live], upper[live], place[live]
+    rising, which = above[live] > 0, brackets.which[live]
+    near = np.maximum(CLOSE * (b - a), ROUNDING * np.maximum(np.abs(a), np.abs(b)))
+    for number in range(STEPS):
+        if not len(live):
+            break
+        x = np.where((x >= a) & (x <= b), x, a / 2 + b / 2)  # NaN too
+        value, slope = curves.evaluate(which, x)
+        right = (value > 0) == rising  # the root is to the left of x
+        a, b = np.where(right, a, x), np.where(right, x, b)
+        with np.errstate(all="ignore"):
+            following = np.where(value == 0, x, x - value / slope)
+        done = (np.abs(following - x) <= near) | (b - a <= near) | (number == STEPS - 1)
+        found[live[done]] = np.where(following >= a, np.where(following <= b, following, b), a)[done]
+        if number >= HASTE and number % 3 == 0:
+            following = a / 2 + b / 2
+        going = ~done
+        live, which, a, b, x, rising, near = (v[going] for v in (live, which, a, b, following, rising, near))
+    return found

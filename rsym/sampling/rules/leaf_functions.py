@@ -1,0 +1,196 @@
+"""The leaves of a sign form as functions at points and over boxes, each scaled to gradients of length about 1."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.logic.lifting import lifted
+from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
+from rsym.model.recent import recently
+from rsym.model.shape import Bounds, Shape
+from rsym.program.builder import Builder
+from rsym.sampling.kernels.mesher_kernels import (
+    MesherKernels,
+    backend_for,
+    letters_of_form,
+    median_scales,
+    mesher_kernels,
+)
+from rsym.sampling.regions.own_leaves import across, unscaled
+from rsym.sampling.regions.region_kernels import region_kernels
+from rsym.sampling.rules.division import CutPieces
+from rsym.sampling.sharp.crossings import CompiledLeaves
+from rsym.sampling.sharp.loops import loop
+
+MOST_CHOICES = 6  # each may double the leaves
+EPSILON = float(np.finfo(np.float64).eps)
+
+
+class LeafFunctions:
+    """The leaves of a shape at letters, seen from a box of bounds.
+
+    Attributes
+    ----------
+    dimension : int
+        2 or 3.
+    count : int
+        How many leaves there are.
+    gates : (n, 3) int
+        0 for a min and 1 for a max, and its operands.
+    tolerance : float
+        A scaled value up to this is zero to rounding: it belongs to a distance of some last places of the bounds.
+    """
+
+    def __init__(self, shape: Shape, form: SignForm, letters: Mapping[Any, float] | None, bounds: Bounds) -> None:
+        self.dimension, self.count = shape.dimension, len(form.leaves)
+        self.gates = gate_array(form.gates)
+        self.walls = np.ones(self.count, np.bool_)
+        self.tolerance = 8 * EPSILON * max(abs(end) for pair in bounds for end in pair)
+        box = (*bounds, (-1.0, 1.0))[:3]
+        values = shape.letters.values_with(letters)
+        kernels: Any = _kernels(form).copy()
+        kernels.set(values, box)
+        plain = letters_of_form(form, values, box)
+        if isinstance(kernels, MesherKernels):
+            kernels.set_points([*plain, *[1.0] * self.count])
+        else:
+            kernels = unscaled(kernels, dict(zip(form.builder.letters, plain, strict=True)), box)
+        self.scales = median_scales(kernels, self.count, box)
+        self._leaves = CompiledLeaves(kernels)
+
+    def evaluate(self, leaf: Ints, points: Floats) -> tuple[Floats, Floats]:
+        """Values (n,) of leaf[k] at point k of (dim, n), and gradients (dim, n)."""
+        value, gradient = self._leaves.evaluate(leaf.astype(np.int16), self._in_space(points))
+        scale = self.scales[leaf]
+        return value * scale, gradient[: self.dimension] * scale
+
+    def sign(self, points: Floats) -> Any:
+        """The sign (n,) of the form at points (dim, n)."""
+        count = points.shape[1]
+        value, _ = self.evaluate(np.repeat(np.arange(self.count), count), np.tile(points, self.count))
+        signs = list(np.sign(value).reshape(self.count, count))
+        for is_max, first, second in self.gates:
+            signs.append((np.maximum if is_max else np.minimum)(signs[first], signs[second]))
+        return signs[-1]
+
+    def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
+        """From bounds of values the signs of all leaves, the sign of the form, and which leaves that depends on."""
+        signs, verdict = pieces.signs.copy(), np.zeros(len(pieces), np.int64)
+        kept = np.zeros(len(pieces.leaf), np.bool_)
+        steepest = np.abs(pieces.gradient).max(axis=1).sum(axis=0)
+        tolerance = self.tolerance * np.minimum(1.0, steepest)
+        judge_form(self.gates, tolerance, pieces.start, pieces.leaf, value, signs, verdict, kept)
+        return signs, verdict, kept
+
+    def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds (2, n) of leaf[k] over box k of (dim, n), and (dim, 2, n) of its gradient; infinite if undefined."""
+        value, gradient = self._leaves.enclose(leaf.astype(np.int16), self._in_space(lower), self._in_space(upper))
+        scale = self.scales[leaf]
+        return value * scale, gradient[: self.dimension] * scale
+
+    def _in_space(self, points: Floats) -> Floats:
+        return points if self.dimension == 3 else np.vstack([points, np.zeros(points.shape[1])])
+
+
+@dataclass(frozen=True)
+class RuleForm:
+    """A sign form as kernels want it, in three coordinates, minima and absolute values in its leaves lifted to gates.
+
+    plain : the form whose leaves have names; owner : for each leaf of `form` the number of that which it comes from.
+    """
+
+    form: SignForm
+    plain: SignForm
+    owner: Ints
+
+
+@recently(16)
+def rule_form(shape: Shape, capped: bool) -> RuleForm:
+    """The form of a shape, with its bounds as leaves behind the others."""
+    plain = surface_form(shape, *across(shape))
+    form, owner = _smooth(plain)
+    if capped:
+        # Those across a plane are never met, and have no names.
+        sides = len(plain.leaves) + np.minimum(np.arange(6), 2 * shape.dimension - 1)
+        return RuleForm(form.capped(), plain.capped(), np.concatenate([owner, sides]))
+    return RuleForm(form, plain, owner)
+
+
+def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
+    """The form without kinks in its leaves that are minima, maxima and absolute values in sums, and whose they are."""
+    builder = form.builder
+    leaves = [_lifted(builder, leaf) for leaf in form.leaves]
+    made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
+    smooth = replace(sign_form(builder, made[-1]), parameters=form.parameters)
+    owner: dict[int, int] = {}
+    for number, leaf in enumerate(leaves):
+        for part in sign_form(builder, leaf).leaves:
+            owner.setdefault(part, number)
+    if list(form.leaves) == leaves or any(leaf not in owner for leaf in smooth.leaves):
+        return form, np.arange(len(form.leaves))
+    return smooth, np.array([owner[leaf] for leaf in smooth.leaves])
+
+
+def _lifted(builder: Builder, leaf: int) -> int:
+    """A leaf with all its choices on top that sums let through: a sum lifts those of one of its terms at a time."""
+    for _ in range(MOST_CHOICES):
+        number = lifted(builder, leaf, few=0)
+        if number == leaf:
+            break
+        leaf = number
+    return leaf
+
+
+def gate_array(gates: tuple[Gate, ...]) -> Ints:
+    """Gates as rows of whole numbers."""
+    return np.array([(operation == "max", *operands) for operation, *operands in gates], np.int64).reshape(-1, 3)
+
+
+def _kernels(form: SignForm) -> Any:
+    return region_kernels(form) if backend_for(form) == "tape" else mesher_kernels(form)
+
+
+@loop
+def judge_form(
+    gates: Any, tolerance: Any, start: Any, leaf: Any, value: Any, signs: Any, verdict: Any, kept: Any
+) -> None:
+    """Signs of leaves from their bounds, the sign of the form, and which leaves of open sign that depends on."""
+    leaves, count = signs.shape[1], len(gates)
+    known = np.zeros(leaves + count, np.int8)
+    wanted = np.zeros(leaves + count, np.bool_)
+    for piece in range(len(verdict)):
+        for pair in range(start[piece], start[piece + 1]):
+            if value[0, pair] > tolerance[pair]:
+                signs[piece, leaf[pair]] = 1
+            elif value[1, pair] < -tolerance[pair]:
+                signs[piece, leaf[pair]] = -1
+        for k in range(leaves):
+            known[k] = signs[piece, k]
+        for k in range(count):
+            a, b = known[gates[k, 1]], known[gates[k, 2]]
+            if gates[k, 0] == 0:
+                known[leaves + k] = min(a, b)
+            else:
+                known[leaves + k] = max(a, b)
+        top = leaves + count - 1
+        verdict[piece] = known[top]
+        if known[top] == 0:
+            for k in range(leaves + count):
+                wanted[k] = False
+            wanted[top] = True
+            for k in range(count - 1, -1, -1):
+                if wanted[leaves + k]:
+                    for j in range(1, 3):
+                        if known[gates[k, j]] == 0:
+                            wanted[gates[k, j]] = True
+            for pair in range(start[piece], start[piece + 1]):
+                kept[pair] = wanted[leaf[pair]] and known[leaf[pair]] == 0
+            # Whatever the others are, the form is the same.
+            for k in range(leaves):
+                if known[k] == 0 and not wanted[k]:
+                    signs[piece, k] = -1

@@ -1,0 +1,97 @@
+"""Lines along the height of cut pieces, with the leaves that matter on each, and intervals of these lines."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.rules.division import BoundedFunctions, span, starts
+from rsym.sampling.rules.walks import walk_inside, walk_parts, walk_upright
+
+
+@dataclass(frozen=True)
+class Panels:
+    """Intervals of lines, each with a weight and a leaf or -1; of length 0 where the boundary crosses."""
+
+    lower: Floats
+    upper: Floats
+    weight: Floats
+    line: Ints
+    leaf: Ints
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Lines with the values at both ends of the leaves that matter there.
+
+    Attributes
+    ----------
+    piece, base, ends : (n,), (n,), (2, n)
+        The piece of each line, and where it is.
+    begin, leaf : (n + 1,), (m,)
+        Leaves ``leaf[begin[k]:begin[k + 1]]`` matter on line k.
+    upright : (m,)
+        Which of them do not change along the height.
+    below, above, root : (m,)
+        The values at the lower and the upper end, and where they are zero between.
+    """
+
+    functions: BoundedFunctions
+    piece: Ints
+    base: Floats
+    ends: Floats
+    begin: Ints
+    leaf: Ints
+    upright: Flags
+    below: Floats
+    above: Floats
+    root: Floats
+
+    def walked(self, weight: Floats, signs: Any) -> tuple[Panels, Panels]:
+        """What is inside, and where the boundary crosses."""
+        most = len(self.leaf) + 2 * len(self.piece)
+        panels, edges = (
+            (np.empty((3, most)), np.empty((2, most), np.int64)),
+            (np.empty((3, most)), np.empty((2, most), np.int64)),
+        )
+        sizes = np.zeros(2, np.int64)
+        room = (*panels, *edges, sizes, self._order())
+        if self.functions.gates is None:
+            walls = self.functions.walls[self.leaf]
+            walk_parts(self.functions.tolerance, self.ends, weight, *self._leaves(), walls, *room)
+        else:
+            walk_inside(
+                self.functions.gates, self.functions.tolerance, self.ends, weight, *self._leaves(), signs, *room
+            )  # fmt: skip
+        return _panels(*panels, sizes[0]), _panels(*edges, sizes[1])
+
+    def chosen(self, which: Ints) -> Lines:
+        """Some of the lines."""
+        counts = np.diff(self.begin)[which]
+        pairs = span(self.begin[:-1][which], counts)
+        parts = (a[pairs] for a in (self.leaf, self.upright, self.below, self.above, self.root))
+        ends = self.ends[:, which]
+        return Lines(self.functions, self.piece[which], self.base[..., which], ends, starts(counts), *parts)
+
+    def walked_upright(self, kind: Ints, left: Any, right: Any, weight: Floats) -> Panels:
+        """Where the boundary runs along the lines."""
+        most = len(self.leaf) + len(self.piece)
+        edges, sizes = (np.empty((3, most)), np.empty((2, most), np.int64)), np.zeros(1, np.int64)
+        walk_upright(
+            self.functions.gates, self.functions.tolerance, self.ends, kind, weight, *self._leaves(), left, right,
+            *edges, sizes, self._order(),
+        )  # fmt: skip
+        return _panels(*edges, sizes[0])
+
+    def _leaves(self) -> tuple[Any, ...]:
+        return self.begin, self.leaf, self.upright, self.below, self.above, self.root
+
+    def _order(self) -> Ints:
+        return np.empty(int(np.diff(self.begin).max(initial=0)), np.int64)
+
+
+def _panels(room: Floats, numbers: Ints, count: int) -> Panels:
+    return Panels(*room[:, :count], *numbers[:, :count])

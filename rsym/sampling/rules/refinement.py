@@ -1,0 +1,115 @@
+"""Rules refined until two of them agree."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rsym.arrays import Floats
+from rsym.errors import warn
+from rsym.sampling.rules.quadrature import Prepared, RulePortion
+
+# What is asked of a part of a rule: sums, and the sums of the absolute values of what is added.
+Quantities: TypeAlias = Callable[[RulePortion], tuple[Floats, Floats]]
+TOLERANCE = {2: 1e-12, 3: 1e-10}
+CELLS = {2: 8, 3: 6}  # along the longest side at first
+ORDERS = 4  # points along each direction from one rule to the next
+HIGHEST = 20  # beyond, cells are halved instead
+MOST_POINTS = {2: 2e6, 3: 3e7}  # some seconds
+ROUNDING = 4 * np.finfo(np.float64).eps
+
+
+class Integral(float):
+    """The value of an integral, a float, with `.error`: how far two rules, or rounding, leave it open; an estimate.
+
+    Examples
+    --------
+    >>> value = Integral(2.0, 1e-14)
+    >>> value + 1, value.error, value
+    (3.0, 1e-14, Integral(2.0, error=1e-14))
+    """
+
+    error: float
+
+    def __new__(cls, value: float, error: float) -> Integral:
+        """A value and its error."""
+        made = super().__new__(cls, value)
+        made.error = error
+        return made
+
+    def __repr__(self) -> str:
+        return f"Integral({float(self)!r}, error={self.error:.2g})"
+
+    def __str__(self) -> str:
+        return repr(float(self))
+
+    def __reduce__(self) -> tuple[type[Integral], tuple[float, float]]:
+        return Integral, (float(self), self.error)
+
+
+@dataclass(frozen=True)
+class Refined:
+    """Sums by two rules, the better one first, and how large they can be; cells and order of the better one."""
+
+    sums: Floats
+    before: Floats
+    scales: Floats
+    cells: int
+    order: int
+
+    @property
+    def errors(self) -> Floats:
+        """Of the sums."""
+        return np.abs(self.sums - self.before) + ROUNDING * self.scales
+
+    def integral(self, number: int) -> Integral:
+        """A sum with its error."""
+        return Integral(float(self.sums[number]), float(self.errors[number]))
+
+
+def refined(
+    shape: Prepared,
+    quantities: Quantities,
+    *,
+    tolerance: float | None,
+    cells: int | None,
+    order: int,
+    near: ArrayLike | None = None,
+    threads: int | None = None,
+) -> Refined:
+    """Sums over rules of rising order, then on smaller cells, until two agree; what they leave open is warned of."""
+
+    def summed() -> tuple[Floats, Floats, int]:
+        total, scale, points = np.zeros(1), np.zeros(1), 0
+        for portion in shape.portions(shape.grid(count), highest, near, threads):
+            value, size = quantities(portion)
+            total, scale = total + value, scale + size
+            points += len(portion.rule.weights)
+        return total, scale, points
+
+    dimension = shape.functions.dimension
+    least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
+    count, highest = CELLS[dimension] if cells is None else cells, order
+    sums, scales, points = summed()
+    while True:
+        before = sums
+        if highest + ORDERS > max(HIGHEST, order + ORDERS):
+            count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
+        else:
+            highest += ORDERS
+        sums, scales, points = summed()
+        found = Refined(sums, before, scales, count, highest)
+        open_ones = found.errors > least * scales
+        if not open_ones.any():
+            return found
+        if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
+            worst = float((found.errors / scales)[open_ones].max())
+            warn(
+                f"an integral is known to a relative error of about {worst:.0e}: so much do rules of {points:.1e} "
+                "points differ; near= points where the function or the boundary varies fast may help"
+            )
+            return found

@@ -1,0 +1,223 @@
+"""Rules on cut pieces in space: a plane rule on the base whose parts know every edge, then along the height.
+
+The base is parted by what the heights of leaves do over it: where a leaf meets an end of the piece, where two leaves
+have the same height, and where an upright leaf stands. On each part every root is a smooth function of the base. The
+height of a leaf goes on beyond the ends with a constant slope of the leaf, so that it is a function on all of the base.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.rules.bases import SAME, plane_rule
+from rsym.sampling.rules.columns import CellRule, Columns, rules_together, tensor_rule
+from rsym.sampling.rules.curves import Risers, along, heights_between, placed
+from rsym.sampling.rules.division import INSIDE, OPEN, BoundedFunctions, CutPieces, Limits, divide, starts
+from rsym.sampling.rules.walks import BETWEEN, LAST
+
+LIMITS = Limits(4, 40, 3.0)
+FACE, GAP = 0, 1
+
+
+def space_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> tuple[CellRule, float]:
+    """The rule on pieces in space with a height, and the measure of what is not resolved of their bases."""
+    columns = Columns.of(functions, pieces)
+    base = BaseFunctions.of(columns)
+    found = divide(base, base.cells, np.empty((0, 2)), LIMITS)
+    rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
+    tall, unresolved = columns.height[1] - columns.height[0], 0.0
+    for parts in found.cut:
+        if len(parts):
+            rules.append(plane_rule(base, parts, order))
+            area = np.prod(parts.upper - parts.lower, axis=0) * tall[parts.owner]
+            unresolved += float(area[~parts.proved].sum())
+    flat = rules_together(rules)
+    lines = columns.lines(flat.owner, flat.points)
+    walls = columns.lines(flat.edge_owner, flat.edge_points)
+    kind = np.where(flat.edge_leaf < 0, LAST, BETWEEN)
+    leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
+    left, right = _sides(columns, flat, leaf)
+    along_walls = walls.walked_upright(kind, left, right, flat.edge_weights)
+    return columns.rule(lines, flat.weights, walls, along_walls, order), unresolved
+
+
+def _sides(columns: Columns, flat: CellRule, leaf: Ints) -> tuple[Any, Any]:
+    """The signs (n, leaves) of upright leaves on both sides of the curves of leaves, first on the positive one."""
+    functions, pieces = columns.functions, columns.pieces
+    piece = flat.edge_owner
+    line, pair = columns.pairs(piece)
+    line, pair = line[columns.upright[pair]], pair[columns.upright[pair]]
+    own, other = piece[line], pieces.leaf[pair]
+    points = placed(pieces.axis[own], flat.edge_points[:, line], columns.height[0, own])
+    value, gradient = functions.evaluate(other, points)
+    _, normal = functions.evaluate(leaf[line], points)
+    same = np.where((gradient * normal).sum(axis=0) >= 0, 1, -1)
+    zero = (np.abs(value) <= SAME * functions.tolerance) | (other == leaf[line])
+    sign = np.where(value > 0, 1, -1)
+    left, right = pieces.signs[piece], pieces.signs[piece]
+    left[line, other] = np.where(zero, same, sign)
+    right[line, other] = np.where(zero, -same, sign)
+    return left, right
+
+
+@dataclass(frozen=True)
+class BaseFunctions:
+    """What parts the bases of pieces in space, as functions on them: leaves on faces, and gaps between heights.
+
+    Attributes
+    ----------
+    cells : CutPieces
+        The bases, and which functions are theirs.
+    kind, piece : (n,)
+        A face or a gap, and of which piece.
+    leaf : (2, n)
+        The leaf of a face, twice; the two of a gap.
+    height : (n,)
+        Of a face.
+    steep : (2, n)
+        A slope of each leaf along the height, beyond the ends of the piece.
+    walls : (n,)
+        Which are faces of upright leaves.
+    """
+
+    columns: Columns
+    cells: CutPieces
+    kind: Ints
+    piece: Ints
+    leaf: Ints
+    height: Floats
+    steep: Floats
+    walls: Flags
+    gates: None = None
+    dimension: int = 2
+
+    @property
+    def tolerance(self) -> float:
+        """Of values and of heights."""
+        return self.columns.functions.tolerance
+
+    @classmethod
+    def of(cls, columns: Columns) -> BaseFunctions:
+        """Of the pieces of columns."""
+        pieces, upright = columns.pieces, columns.upright
+        every, rises = np.arange(len(pieces.leaf)), np.flatnonzero(~upright)
+        one, other = [every, rises], [every, rises]
+        for apart in range(1, int(np.bincount(pieces.piece[rises]).max(initial=1))):
+            same = np.flatnonzero(pieces.piece[rises[apart:]] == pieces.piece[rises[:-apart]])
+            one.append(rises[same])
+            other.append(rises[same + apart])
+        pair = np.stack([np.concatenate(one), np.concatenate(other)])
+        piece = pieces.piece[pair[0]]
+        number = np.arange(len(piece))
+        order = np.argsort(piece, kind="stable")
+        pair, piece, number = pair[:, order], piece[order], number[order]
+        top = number >= len(every)
+        low, high = along(pieces.gradient, pieces.axis[pieces.piece])
+        remaining = np.array([[1, 2], [0, 2], [0, 1]])[pieces.axis].T
+        count = len(pieces)
+        cells = CutPieces(
+            np.take_along_axis(pieces.lower, remaining, axis=0),
+            np.take_along_axis(pieces.upper, remaining, axis=0),
+            np.arange(count),
+            np.empty((count, 0), np.int8),
+            starts(np.bincount(piece, minlength=count)),
+            np.arange(len(piece)),
+            np.empty((2, 2, 0)),
+            np.full(count, -1),
+            np.ones(count, bool),
+        )
+        return cls(
+            columns,
+            cells,
+            np.where(number < len(every) + len(rises), FACE, GAP),
+            piece,
+            pieces.leaf[pair],
+            np.where(top, columns.height[1, piece], columns.height[0, piece]),
+            (low / 2 + high / 2)[pair],
+            upright[pair[0]],
+        )
+
+    def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
+        """Which functions may change their sign in a part; without any it is whole. To touch zero is not to change it.
+
+        A wall may stand at the end of a part in which it is positive.
+        """
+        low, high = value
+        kept = (low < np.where(self.walls[pieces.leaf], self.tolerance, -self.tolerance)) & (high > self.tolerance)
+        some = np.bincount(pieces.piece[kept], minlength=len(pieces)) > 0
+        return pieces.signs, np.where(some, OPEN, INSIDE), kept
+
+    def evaluate(self, leaf: Ints, points: Floats) -> tuple[Floats, Floats]:
+        """Values (n,) and gradients (2, n) of functions at points (2, n) of the bases of their pieces."""
+        value, gradient = np.empty(len(leaf)), np.empty((2, len(leaf)))
+        face, gap = (np.flatnonzero(self.kind[leaf] == kind) for kind in (FACE, GAP))
+        if len(face):
+            which = leaf[face]
+            axis = self.columns.pieces.axis[self.piece[which]]
+            places = placed(axis, points[:, face], self.height[which])
+            value[face], slopes = self.columns.functions.evaluate(self.leaf[0, which], places)
+            gradient[:, face] = across(slopes, axis)
+        if len(gap):
+            one, other = (self._heights(k, leaf[gap], points[:, gap]) for k in (0, 1))
+            value[gap], gradient[:, gap] = one[0] - other[0], one[1] - other[1]
+        return value, gradient
+
+    def _heights(self, number: int, which: Ints, base: Floats) -> tuple[Floats, Floats]:
+        """Heights of the leaves of gaps over places of the base, and their gradients."""
+        functions, own = self.columns.functions, self.piece[which]
+        axis, leaf, steep = self.columns.pieces.axis[own], self.leaf[number, which], self.steep[number, which]
+        lower, upper = self.columns.height[:, own]
+        curves, every = Risers(functions, leaf, axis, base), np.arange(len(which))
+        below, _ = curves.evaluate(every, lower)
+        above, _ = curves.evaluate(every, upper)
+        height = heights_between(curves, lower, upper, below, above)
+        _, slopes = functions.evaluate(leaf, placed(axis, base, height))
+        beyond = (below > 0) == (above > 0)
+        value = np.where(np.abs(below) <= np.abs(above), below, above)
+        rise = np.where(beyond, steep, along(slopes, axis))
+        return np.where(beyond, height - value / steep, height), -across(slopes, axis) / rise
+
+    def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
+        """Bounds (2, n) of functions over boxes (2, n) of the bases, and (2, 2, n) of their gradients."""
+        value, gradient = np.empty((2, len(leaf))), np.empty((2, 2, len(leaf)))
+        face, gap = (np.flatnonzero(self.kind[leaf] == kind) for kind in (FACE, GAP))
+        if len(face):
+            which = leaf[face]
+            axis, height = self.columns.pieces.axis[self.piece[which]], self.height[which]
+            ends = placed(axis, lower[:, face], height), placed(axis, upper[:, face], height)
+            value[:, face], slopes = self.columns.functions.enclose(self.leaf[0, which], *ends)
+            gradient[:, :, face] = across(slopes, axis)
+        if len(gap):
+            low, high = lower[:, gap], upper[:, gap]
+            one, other = (self._climbs(k, leaf[gap], low, high) for k in (0, 1))
+            bounds = np.stack([one[:, 0] - other[:, 1], one[:, 1] - other[:, 0]], axis=1)
+            middle, _ = self.evaluate(leaf[gap], low / 2 + high / 2)
+            reach = (np.abs(bounds).max(axis=1) * (high - low) / 2).sum(axis=0)
+            value[:, gap] = middle - reach, middle + reach
+            gradient[:, :, gap] = bounds
+        return value, gradient
+
+    def _climbs(self, number: int, which: Ints, lower: Floats, upper: Floats) -> Floats:
+        """Bounds (2, 2, n) of the gradients of the heights of the leaves of gaps over boxes."""
+        own = self.piece[which]
+        axis, steep = self.columns.pieces.axis[own], self.steep[number, which]
+        bottom, top = self.columns.height[:, own]
+        ends = placed(axis, lower, bottom), placed(axis, upper, top)
+        _, slopes = self.columns.functions.enclose(self.leaf[number, which], *ends)
+        low, high = along(slopes, axis)
+        low, high = np.minimum(low, steep), np.maximum(high, steep)
+        with np.errstate(all="ignore"):
+            ratios = np.stack([-across(slopes, axis) / end for end in (low, high)])
+        known = (low > 0) | (high < 0)
+        least, most = ratios.min(axis=(0, 2)), ratios.max(axis=(0, 2))
+        return np.stack([np.where(known, least, -np.inf), np.where(known, most, np.inf)], axis=1)
+
+
+def across(gradient: Floats, axis: Ints) -> Floats:
+    """The components of gradients (3, n), or of their bounds (3, 2, n), along the base."""
+    remaining = np.array([[1, 2], [0, 2], [0, 1]])[axis].T
+    return np.take_along_axis(gradient, remaining if gradient.ndim == 2 else remaining[:, None], axis=0)

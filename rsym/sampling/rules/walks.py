@@ -1,0 +1,218 @@
+"""Lines along the height of cut pieces: where they are inside, and where the form changes its sign, on which leaf.
+
+A value within the tolerance at an end of a line is a zero there: the boundary may run along the end. It is counted in
+the piece whose inside it bounds, and only if the signs that leaves have beyond, where those zero at the end have the
+other sign, make the outside. Crossings closer to each other than the tolerance are one.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from rsym.sampling.sharp.loops import loop, step
+
+ACROSS, BETWEEN, FIRST, LAST = 0, 1, 2, 3  # a line for the inside, or on upright leaves: within a piece, at its ends
+
+
+@step
+def form_sign(gates: Any, signs: Any, known: Any) -> int:
+    """The sign of a form whose leaves have signs; `known` is room for those of leaves and gates."""
+    leaves = len(signs)
+    for k in range(leaves):
+        known[k] = signs[k]
+    for k in range(len(gates)):
+        a, b = known[gates[k, 1]], known[gates[k, 2]]
+        if gates[k, 0] == 0:
+            known[leaves + k] = min(a, b)
+        else:
+            known[leaves + k] = max(a, b)
+    return known[leaves + len(gates) - 1]
+
+
+@step
+def sort_crossings(first: int, last: int, tolerance: float, below: Any, above: Any, root: Any, order: Any) -> int:
+    """The leaves of a line that change their sign on it, by height; how many."""
+    count = 0
+    for k in range(first, last):
+        if min(below[k], above[k]) < -tolerance and max(below[k], above[k]) > tolerance:
+            j = count
+            while j > 0 and root[order[j - 1]] > root[k]:
+                order[j] = order[j - 1]
+                j -= 1
+            order[j] = k
+            count += 1
+    return count
+
+
+@step
+def start_signs(
+    first: int, last: int, tolerance: float, leaf: Any, upright: Any, below: Any, above: Any, line: bool, signs: Any
+) -> None:
+    """The signs of leaves just above the lower end; those of upright leaves only if asked."""
+    for k in range(first, last):
+        if upright[k]:
+            if line:
+                signs[leaf[k]] = 1 if below[k] > 0 else -1
+        elif abs(below[k]) <= tolerance:
+            signs[leaf[k]] = 1 if above[k] > 0 else -1
+        else:
+            signs[leaf[k]] = 1 if below[k] > 0 else -1
+
+
+@step
+def bounding(
+    gates: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any, signs: Any, known: Any,
+    beyond: Any,
+) -> int:  # fmt: skip
+    """The leaf along which the boundary runs at an end of a line that is inside there; -1 if none."""
+    found = -1
+    for k in range(len(signs)):
+        beyond[k] = signs[k]
+    for k in range(first, last):
+        if not upright[k] and abs(value[k]) <= tolerance:
+            beyond[leaf[k]] = -signs[leaf[k]]
+            if signs[leaf[k]] > 0 and found < 0:
+                found = leaf[k]
+    if found >= 0 and form_sign(gates, beyond, known) > 0:
+        found = -1
+    return found
+
+
+@step
+def note(room: Any, numbers: Any, count: int, low: float, high: float, weight: float, line: int, leaf: int) -> int:
+    """Write down an interval of a line; how many there are then."""
+    room[0, count], room[1, count], room[2, count] = low, high, weight
+    numbers[0, count], numbers[1, count] = line, leaf
+    return count + 1
+
+
+@step
+def cross(start: int, count: int, tolerance: float, leaf: Any, root: Any, order: Any, signs: Any) -> int:
+    """Change the signs of the leaves that cross where the first of them does; the number of the next one."""
+    number = start
+    while number < count and root[order[number]] - root[order[start]] <= tolerance:
+        k = leaf[order[number]]
+        signs[k] = -signs[k]
+        number += 1
+    return number
+
+
+@loop
+def walk_inside(
+    gates: Any, tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any, above: Any,
+    root: Any, signs: Any, panels: Any, panel_numbers: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+) -> None:  # fmt: skip
+    """The intervals inside and the crossings of the boundary on each line between `ends`.
+
+    `signs` (lines, leaves) are those of leaves that do not matter; others are found and changed on the way.
+    """
+    known, beyond = np.empty(signs.shape[1] + len(gates), np.int8), np.empty(signs.shape[1], np.int8)
+    inner, outer = 0, 0
+    for line in range(len(weight)):
+        first, last, own = begin[line], begin[line + 1], signs[line]
+        count = sort_crossings(first, last, tolerance, below, above, root, order)
+        start_signs(first, last, tolerance, leaf, upright, below, above, True, own)
+        at, top, share = ends[0, line], ends[1, line], weight[line]
+        inside = form_sign(gates, own, known) > 0
+        if inside:
+            found = bounding(gates, first, last, tolerance, leaf, upright, below, own, known, beyond)
+            if found >= 0:
+                outer = note(edges, edge_numbers, outer, at, at, share, line, found)
+        number = 0
+        while number < count:
+            here = root[order[number]]
+            following = cross(number, count, tolerance, leaf, root, order, own)
+            now = form_sign(gates, own, known) > 0
+            if now != inside:
+                found = -1
+                for j in range(number, following):
+                    if found < 0 and (own[leaf[order[j]]] > 0) == now:
+                        found = leaf[order[j]]
+                outer = note(edges, edge_numbers, outer, here, here, share, line, found)
+                if inside:
+                    inner = note(panels, panel_numbers, inner, at, here, share, line, -1)
+                at = here
+            inside, number = now, following
+        if inside:
+            inner = note(panels, panel_numbers, inner, at, top, share, line, -1)
+            found = bounding(gates, first, last, tolerance, leaf, upright, above, own, known, beyond)
+            if found >= 0:
+                outer = note(edges, edge_numbers, outer, top, top, share, line, found)
+    sizes[0], sizes[1] = inner, outer
+
+
+@loop
+def walk_parts(
+    tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any, above: Any, root: Any,
+    walls: Any, panels: Any, panel_numbers: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+) -> None:  # fmt: skip
+    """All intervals between crossings on each line, and the crossings of walls; ~leaf where one is at an end.
+
+    A wall at an end belongs to the piece in which it is positive.
+    """
+    inner, outer = 0, 0
+    for line in range(len(weight)):
+        first, last, at, share = begin[line], begin[line + 1], ends[0, line], weight[line]
+        count = sort_crossings(first, last, tolerance, below, above, root, order)
+        for end in range(2):
+            found = -1
+            for k in range(first, last):
+                here, there = (below[k], above[k]) if end == 0 else (above[k], below[k])
+                if walls[k] and not upright[k] and found < 0 and abs(here) <= tolerance and there > tolerance:
+                    found = k
+            if found >= 0:
+                outer = note(edges, edge_numbers, outer, ends[end, line], ends[end, line], share, line, ~leaf[found])
+        number = 0
+        while number < count:
+            here, found = root[order[number]], -1
+            while number < count and root[order[number]] - here <= tolerance:
+                if walls[order[number]] and found < 0:
+                    found = order[number]
+                number += 1
+            if found >= 0:
+                outer = note(edges, edge_numbers, outer, here, here, share, line, leaf[found])
+            if here > at:
+                inner = note(panels, panel_numbers, inner, at, here, share, line, -1)
+            at = here
+        if ends[1, line] > at:
+            inner = note(panels, panel_numbers, inner, at, ends[1, line], share, line, -1)
+    sizes[0], sizes[1] = inner, outer
+
+
+@loop
+def walk_upright(
+    gates: Any, tolerance: float, ends: Any, kind: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any,
+    above: Any, root: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+) -> None:  # fmt: skip
+    """The intervals of lines on upright leaves where the inside is on one side only.
+
+    `left`, `right` (lines, leaves) are the signs of leaves that stand there, on either side.
+    """
+    known = np.empty(left.shape[1] + len(gates), np.int8)
+    outer = 0
+    for line in range(len(kind)):
+        first, last = begin[line], begin[line + 1]
+        count = sort_crossings(first, last, tolerance, below, above, root, order)
+        start_signs(first, last, tolerance, leaf, upright, below, above, False, left[line])
+        start_signs(first, last, tolerance, leaf, upright, below, above, False, right[line])
+        at, number = ends[0, line], 0
+        while number <= count:
+            end = root[order[number]] if number < count else ends[1, line]
+            one, other = form_sign(gates, left[line], known) > 0, form_sign(gates, right[line], known) > 0
+            # Beyond an end of the piece, the boundary belongs to the side that is inside.
+            mine = kind[line] == BETWEEN or (kind[line] == FIRST and other) or (kind[line] == LAST and one)
+            if one != other and mine and end > at:
+                found = -1
+                for k in range(first, last):
+                    j = leaf[k]
+                    if upright[k] and found < 0 and left[line, j] != right[line, j] and (left[line, j] > 0) == one:
+                        found = j
+                outer = note(edges, edge_numbers, outer, at, end, weight[line], line, found)
+            at, following = end, number + 1
+            if number < count:
+                following = cross(number, count, tolerance, leaf, root, order, left[line])
+                cross(number, count, tolerance, leaf, root, order, right[line])
+            number = following
+    sizes[0] = outer

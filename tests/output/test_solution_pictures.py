@@ -1,0 +1,85 @@
+"""Pictures of solutions: named boundaries, sheets of modes, stress lines."""
+
+import matplotlib.figure
+import numpy as np
+import pytest
+from matplotlib.collections import LineCollection
+
+import rsym
+from rsym import x, y
+from rsym.output.boundaries import part_lines
+from rsym.sampling.plane import plane_sampler
+
+
+@pytest.fixture
+def ax():
+    return matplotlib.figure.Figure().add_subplot()
+
+
+RING = rsym.disc(1).named("rim") - rsym.disc(0.5).named("bore")
+HALF = rsym.disc(1).named("rim") & rsym.Shape(y, (x, y)).named("edge")
+
+
+def test_parts_of_a_boundary_end_at_its_corners():
+    lines = part_lines(plane_sampler(HALF, "value", resolution=64))
+    (rim,), (edge,) = lines["rim"], lines["edge"]
+    np.testing.assert_allclose(np.hypot(*rim.T), 1, atol=1e-9)
+    np.testing.assert_allclose(edge[:, 1], 0, atol=1e-12)
+    ends = sorted(map(tuple, np.concatenate([rim[[0, -1]], edge[[0, -1]]]).round(9) + 0.0))
+    assert ends == [(-1, 0), (-1, 0), (1, 0), (1, 0)]
+
+
+def test_a_part_without_a_name_has_none():
+    plate = rsym.rectangle(2, 2) - rsym.disc(0.5).named("hole")
+    assert set(part_lines(plane_sampler(plate, "value", resolution=32))) == {"", "hole"}
+
+
+def test_a_solution_is_drawn_with_its_parts_named(ax):
+    u = rsym.solve(RING, "-laplacian(u) = 1", {"rim": 0, "bore": rsym.robin(1)}, cells=8)
+    rsym.plot_field(u, ax=ax, resolution=48)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["rim", "bore"]
+    named = {one.get_label(): one for one in ax.collections if one.get_label() in ("rim", "bore")}
+    (bore,) = named["bore"].get_segments()
+    np.testing.assert_allclose(np.hypot(*bore.T), 0.5, atol=1e-9)
+    assert tuple(named["rim"].get_color()[0]) != tuple(named["bore"].get_color()[0])
+
+
+def test_a_shape_and_a_boundary_of_one_part_have_no_legend(ax):
+    rsym.plot_field(RING, ax=ax, resolution=24)
+    assert ax.get_legend() is None
+    rsym.plot_field(rsym.solve(rsym.disc(1).named("rim"), "-laplacian(u) = 1", 0, cells=6), ax=ax, resolution=24)
+    assert ax.get_legend() is None
+
+
+def test_modes_have_symmetric_levels_and_their_eigenvalues():
+    drum = rsym.modes(rsym.rectangle(2, 1), 4, cells=8)
+    figure = rsym.plot_modes(drum, figure=matplotlib.figure.Figure(), resolution=32)
+    shown = [axes for axes in figure.axes if axes.axison]
+    assert [axes.get_title() for axes in shown] == [
+        rf"$\lambda_{{{k}}} = {value:.4g}$" for k, value in enumerate(drum.values, 1)
+    ]
+    assert len(figure.axes) - len(shown) == 2
+    for axes, mode in zip(shown, drum.modes, strict=True):
+        levels = axes.collections[0].levels
+        np.testing.assert_allclose(levels, -levels[::-1])
+        # Modes are sines of the mean square 1: at most 2 sqrt(2)/2.
+        assert levels[-1] == pytest.approx(abs(mode.maximum().value), rel=0.05)
+        assert axes.get_aspect() == 1
+
+
+def test_stress_lines_are_equally_spaced_levels_and_colours_the_stress(ax):
+    shaft = rsym.torsion(rsym.disc(1), cells=8)
+    artist = rsym.plot_torsion(shaft, ax=ax, lines=4, resolution=64)
+    assert ax.get_title() == r"$J = 1.571$"
+    # u = (1 - r^2)/2, |grad u| = r.
+    assert artist.levels[0] == 0
+    assert artist.levels[-1] == pytest.approx(1, rel=0.11)
+    lines = ax.collections[-1]
+    assert not isinstance(lines, LineCollection)
+    np.testing.assert_allclose(lines.levels, 0.5 * np.arange(1, 5) / 5, rtol=2e-3)
+
+
+@pytest.mark.parametrize("draw", [rsym.plot_modes, rsym.plot_torsion])
+def test_what_is_no_answer_is_refused(draw):
+    with pytest.raises(rsym.RsymError, match="expected"):
+        draw(rsym.Shape(1 - x**2 - y**2, (x, y)))

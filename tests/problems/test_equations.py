@@ -1,0 +1,107 @@
+"""An equation becomes its coefficients, whichever way it is written; what is none is refused with a remedy."""
+
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import x, y, z
+from rsym.problems.equations import equation_of
+
+K = sp.exp(x) * (2 + sp.cos(y))
+NAMES = {"k": K, "c": lambda x, y: x}
+U = sp.Function("u")(x, y)
+
+
+def applied(equation, u):
+    """The equation at a function: the left side minus the right one, by SymPy alone."""
+    axes = range(len(equation.coordinates))
+    slope = [u.diff(symbol) for symbol in equation.coordinates]
+    flux = [sum(equation.diffusion[i][j] * slope[j] for j in axes) for i in axes]
+    total = -sum(flux[i].diff(equation.coordinates[i]) for i in axes)
+    total += sum(b * s for b, s in zip(equation.convection, slope, strict=True)) + equation.reaction * u
+    laplacian = sum(u.diff(symbol, 2) for symbol in equation.coordinates)
+    total += equation.bending * sum(laplacian.diff(symbol, 2) for symbol in equation.coordinates)
+    return total - equation.load
+
+
+def laplacian(u):
+    return u.diff(x, 2) + u.diff(y, 2)
+
+
+MEANINGS = {
+    "-laplacian(u) = 2*x": lambda u: -laplacian(u) - 2 * x,
+    "laplacian(u) = u - pi": lambda u: -laplacian(u) + u - sp.pi,
+    "-div(k*grad(u)) + y*u = 1": lambda u: -(K * u.diff(x)).diff(x) - (K * u.diff(y)).diff(y) + y * u - 1,
+    "-k*laplacian(u) = 0": lambda u: -K * laplacian(u),
+    "-laplacian(k*u) = 0": lambda u: -laplacian(K * u),
+    "-diff(u, x, x) - 2*diff(u, y, y) + diff(u, x, y)/2 = sin(x)": lambda u: (
+        -u.diff(x, 2) - 2 * u.diff(y, 2) + u.diff(x, y) / 2 - sp.sin(x)
+    ),
+    "-laplacian(u) + dot([y, 2], grad(u)) = div([x^2, y])": lambda u: (
+        -laplacian(u) + y * u.diff(x) + 2 * u.diff(y) - 2 * x - 1
+    ),
+    "-laplacian(u) - x*diff(u, x)/(1 + y^2) = 0": lambda u: -laplacian(u) - x * u.diff(x) / (1 + y**2),
+    "-div(grad(u) + [x, y]*u) = 0": lambda u: -laplacian(u) - (x * u).diff(x) - (y * u).diff(y),
+    "3*bilaplacian(u) - laplacian(u) = x": lambda u: 3 * laplacian(laplacian(u)) - laplacian(u) - x,
+    "laplacian(laplacian(u)) = 1": lambda u: laplacian(laplacian(u)) - 1,
+}
+
+
+@pytest.mark.parametrize("text", MEANINGS)
+def test_a_text_means_its_formula(text):
+    equation = equation_of(text, (x, y), NAMES)
+    u = x**4 * y + sp.sin(x) * y**3 + x * y**4
+    assert sp.simplify(applied(equation, u) - MEANINGS[text](u)) == 0
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        sp.Eq(-U.diff(x, 2) - U.diff(y, 2) + x * U, y),
+        -((2 + x**2) * U.diff(x)).diff(x) - U.diff(y, 2) + U.diff(y),
+        sp.Eq(U.diff(x, 4) + 2 * U.diff(x, 2, y, 2) + U.diff(y, 4), 5),
+    ],
+)
+def test_an_equation_of_sympy_means_itself(given):
+    equation = equation_of(given, (x, y))
+    u = x**4 * y + sp.sin(x) * y**3 + x**3 * y**4
+    whole = given.lhs - given.rhs if isinstance(given, sp.Equality) else given
+    assert sp.simplify(applied(equation, u) - whole.subs(U, u).doit()) == 0
+
+
+def test_in_space_there_are_three_derivatives():
+    equation = equation_of("-laplacian(u) + dot([1, 2, 3], grad(u)) = z", (x, y, z))
+    assert [row[k] for k, row in enumerate(equation.diffusion)] == [1, 1, 1]
+    assert (equation.convection, equation.load) == ((1, 2, 3), z)
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "words"),
+    [
+        ("u = 1", "not-elliptic", "not elliptic"),
+        ("-laplacian(u) = u^2", "equation", "not linear"),
+        ("-laplacian(u) = u*u", "equation", "not linear"),
+        ("-laplacian(sin(u)) = 1", "equation", "not linear"),
+        ("-laplacian(laplacian(laplacian(u))) = 1", "equation", "order"),
+        ("-laplacian(u)", "unfinished", "'=' must follow"),
+        ("-laplacian(u) = q", "unknown-name", "'q'"),
+        ("-c*laplacian(u) = 1", "equation", "Python function"),
+        ("grad(u) = 1", "equation", "vector"),
+        ("-laplacian(u) = 1 2", "syntax", "end of the equation"),
+        ("-laplace(u) = 1", "unknown-name", "no function 'laplace'"),
+        ("-laplacian(u) = __import__(1)", "name", "not a name"),
+        ("-diff(u, k) = 1", "equation", "by coordinates"),
+        ("-dot(grad(u), grad(u)) = 1", "equation", "without u"),
+    ],
+)
+def test_what_is_no_equation_is_refused_with_a_remedy(text, code, words):
+    with pytest.raises(rsym.RsymError, match=words) as raised:
+        equation_of(text, (x, y), NAMES)
+    assert raised.value.code == code
+    assert raised.value.remedy
+
+
+def test_several_unknown_functions_are_refused():
+    other = sp.Function("v")(x, y)
+    with pytest.raises(rsym.RsymError, match="one unknown function"):
+        equation_of(-U.diff(x, 2) - other, (x, y))

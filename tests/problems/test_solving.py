@@ -1,0 +1,246 @@
+"""Boundary value problems with exact solutions: orders, conditions of every kind, numbers of a solution."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import x, y
+
+RIM = rsym.disc(1).named("rim")
+RING = RIM - rsym.disc(sp.Rational(1, 2)).named("bore")
+HALF = (RIM & rsym.half_plane((0, 1), 0).named("cut")) - rsym.disc(sp.Rational(2, 5)).named("bore")
+ELLIPSE = 1 - x**2 - y**2 / sp.Rational(36, 100)
+
+
+def load_of(u):
+    return -sp.diff(u, x, 2) - sp.diff(u, y, 2)
+
+
+def errors(solution, exact):
+    """In the mean square, of values and gradients, as shares."""
+    points, weights = solution.rule.points, solution.rule.weights
+    found = solution.jets(points, 1)
+    wanted = np.array(sp.lambdify((x, y), [exact, exact.diff(x), exact.diff(y)])(*points.T))
+    size, apart = weights * wanted**2, weights * (found - wanted) ** 2
+    return math.sqrt(apart[0].sum() / size[0].sum()), math.sqrt(apart[1:].sum() / size[1:].sum())
+
+
+@pytest.mark.parametrize("degree", range(1, 7))
+def test_errors_fall_by_the_degree_and_one_more(degree):
+    u = ELLIPSE * sp.exp(x) * sp.cos(2 * y)
+    shape = rsym.Shape(ELLIPSE, (x, y))
+    found = [
+        errors(rsym.solve(shape, "-laplacian(u) = f", 0, degree=degree, cells=n, letters={"f": load_of(u)}), u)
+        for n in (12, 24)
+    ]
+    values, slopes = (math.log2(a / b) for a, b in zip(*found, strict=True))
+    assert degree + 0.7 < values
+    assert degree - 0.3 < slopes
+    assert found[1][0] < (2e-3, 3e-5, 2e-6, 4e-8, 1e-9, 5e-11)[degree - 1]
+
+
+def test_mixed_conditions_and_robins():
+    u = y * (x**2 + y**2 - sp.Rational(16, 100)) * sp.exp(x) * sp.cos(y)
+    outward = x * u.diff(x) + y * u.diff(y)
+    conditions = {"rim": rsym.robin(sp.Rational(5, 2), outward + sp.Rational(5, 2) * u), ...: 0}
+    found = rsym.solve(HALF, "-laplacian(u) = f", conditions, cells=16, letters={"f": load_of(u)})
+    assert errors(found, u)[0] < 3e-7
+
+
+@pytest.mark.parametrize(
+    ("text", "left"),
+    [
+        (
+            "-div(k*grad(u)) + c*u = f",
+            lambda u: -((2 + x) * u.diff(x)).diff(x) - ((2 + x) * u.diff(y)).diff(y) + y**2 * u,
+        ),
+        ("-laplacian(u) + dot([3, y], grad(u)) = f", lambda u: load_of(u) + 3 * u.diff(x) + y * u.diff(y)),
+        (
+            "-2*diff(u, x, x) - diff(u, y, y) + diff(u, x, y) = f",
+            lambda u: -2 * u.diff(x, 2) - u.diff(y, 2) + u.diff(x, y),
+        ),
+        ("-laplacian(u) - 3*u = f", lambda u: load_of(u) - 3 * u),
+    ],
+)
+def test_coefficients_are_met(text, left):
+    """The value on the boundary is an expression; coefficients are a Shape and a Python function too."""
+    u = sp.exp(x) * sp.cos(2 * y) + x * y
+    letters = {"k": rsym.Shape(2 + x, (x, y)), "c": lambda x, y: y**2, "f": left(u)}
+    found = rsym.solve(RIM, text, u, cells=12, letters=letters)
+    assert errors(found, u)[0] < 1e-7
+
+
+def test_a_hole_at_an_unknown_level_has_no_flux():
+    """u = 1 - r**2 + a*log r about a hole of radius 1/2, level, with a*2*pi = -2*pi*r*(-2 r) there."""
+    found = rsym.solve(RING, "-laplacian(u) = 4", {"rim": 0, "bore": rsym.constant()}, cells=24, degree=5)
+    exact = 1 - 0.5**2 + 0.5 * math.log(0.5)
+    np.testing.assert_allclose(found(0.5 * np.cos([0, 1, 2]), 0.5 * np.sin([0, 1, 2])), exact, rtol=1e-7)
+    assert abs(found.flux("bore")) < 1e-4
+
+
+def test_about_an_axis_operators_are_those_of_space():
+    half = RIM & rsym.half_plane((1, 0), 0)
+    ball = rsym.solve(half, "-laplacian(u) = 1", {"rim": 0}, cells=8, axis=y)
+    assert abs(ball(0.3, 0.4) - 0.125) < 1e-10
+    assert abs(ball.integral() - 4 * math.pi / 45) < 1e-10
+    assert abs(ball.flux("rim") + 4 * math.pi / 3) < 1e-8
+    np.testing.assert_allclose(ball.laplacian([0.0, 0.3], 0.2), -1, atol=1e-6)
+
+
+def test_numbers_of_a_solution():
+    found = rsym.solve(RIM, "-laplacian(u) = 1", 0, cells=10)
+    assert abs(found.integral() - math.pi / 8) < 1e-13
+    assert abs(found.flux() + math.pi) < 1e-9
+    assert abs(found.maximum().value - 0.25) < 1e-13
+    assert np.linalg.norm(found.maximum().point) < 1e-6
+    assert abs(found.minimum().value) < 1e-15
+    values = found([0.0, 0.6, 1.0, 1.1], [[0.0], [0.8]])
+    np.testing.assert_allclose(values[0, :3], [0.25, 0.16, 0.0], atol=1e-13)
+    assert np.isnan(values[0, 3])
+    assert abs(values[1, 1]) < 1e-13
+    assert found.gradient(0.5, [0.0, 0.1]).shape == (2, 2)
+
+
+def test_without_cells_the_tolerance_is_met():
+    found = rsym.solve(RIM, "-laplacian(u) = exp(x)", y, tolerance=1e-6)
+    assert found.report.estimate <= 1e-6
+    exact = rsym.solve(RIM, "-laplacian(u) = exp(x)", y, cells=32, degree=5)
+    assert abs(found(0.2, 0.3) - exact(0.2, 0.3)) < 1e-6
+    assert "estimate" in str(found.report)
+
+
+def test_letters_compile_nothing_and_are_met(monkeypatch):
+    d = sp.Symbol("d", real=True)
+    shape = (rsym.disc(d, letters={d: 1})).named("rim")
+    found = rsym.solve(shape, "-laplacian(u) = q", {"rim": d}, cells=8, letters={"q": 2, "d": 1})
+    assert abs(found(0, 0) - 1.5) < 1e-12
+    monkeypatch.setattr("rsym.backends.kernel.make_function", None)
+    other = found.with_letters({"d": 0.5, "q": 4})
+    assert abs(other(0.25, 0) - (0.5 + 0.25 - 0.0625)) < 1e-12
+
+
+def test_it_pickles():
+    found = rsym.solve(RIM, "-laplacian(u) = 1", 0, cells=8)
+    again = pickle.loads(pickle.dumps(found))
+    assert again(0.3, 0.1) == found(0.3, 0.1)
+    assert again.integral() == found.integral()
+
+
+def test_threads_do_not_change_bits():
+    from rsym.problems.galerkin import Discretisation
+    from rsym.problems.solution import rule_for
+    from rsym.problems.solving import problem_of
+
+    problem = problem_of(RING, "-div((1 + x^2)*grad(u)) = 1", 0)
+    rule = rule_for(problem, 24, 7)
+    one, four = (Discretisation(problem, rule, 3, threads).matrix for threads in (1, 4))
+    assert (one.data == four.data).all()
+    assert (one.indices == four.indices).all()
+
+
+def test_any_turn_and_shift_of_the_grid_has_the_same_error():
+    found = []
+    for turn, shift in [(0, 0), (0.3, 0.013), (0.7, 0.31), (1.1, 0.77)]:
+        u = (ELLIPSE * sp.exp(x) * sp.cos(2 * y)).subs(x, x - shift)
+        shape = rsym.Shape(ELLIPSE, (x, y)).translate(shift, 0)
+        c, s = math.cos(turn), math.sin(turn)
+        turned = {x: c * x + s * y, y: -s * x + c * y}
+        u, shape = u.subs(turned, simultaneous=True), shape.rotate(turn)
+        load = load_of(u)
+        found.append(errors(rsym.solve(shape, "-laplacian(u) = f", 0, cells=16, letters={"f": load}), u)[0])
+    assert max(found) < 4 * min(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "conditions", "code"),
+    [
+        ("-laplacian(u) = 1", {}, "singular"),
+        ("-laplacian(u) = 1", {"rim": rsym.neumann(1)}, "singular"),
+        ("-laplacian(u) = 1", {"bor": 0}, "unknown-part"),
+        ("-diff(u, x, x) + diff(u, y, y) = 1", 0, "not-elliptic"),
+        ("-div(x*grad(u)) = 1", 0, "not-elliptic"),
+        ("-2*diff(u, x, x) - diff(u, y, y) = 0", {"rim": rsym.neumann(1), ...: 0}, "condition"),
+        ("-laplacian(u) = 1", rsym.clamped(), "condition"),
+        ("bilaplacian(u) = 1", {"rim": rsym.neumann(1), ...: 0}, "condition"),
+    ],
+)
+def test_what_has_no_answer_is_refused_with_a_remedy(text, conditions, code):
+    with pytest.raises(rsym.RsymError) as raised:
+        rsym.solve(RING, text, conditions, cells=8)
+    assert raised.value.code == code
+    assert raised.value.remedy
+
+
+def test_too_few_cells_and_wrong_degrees_are_refused():
+    with pytest.raises(rsym.RsymError, match="too few") as raised:
+        rsym.solve(RING, "-laplacian(u) = 1", 0, cells=4)
+    assert raised.value.code == "cells"
+    for degree in (0, 7, 2.5):
+        with pytest.raises(rsym.RsymError, match="degree"):
+            rsym.solve(RIM, "-laplacian(u) = 1", 0, degree=degree)
+
+
+def test_different_values_on_parts_are_met_and_contradictions_refused():
+    found = rsym.solve(RING, "-laplacian(u) = 0", {"rim": 0, "bore": 1}, cells=16)
+    assert abs(found(0, 0.7) - math.log(0.7) / math.log(0.5)) < 1e-6
+    angle = np.arange(50.0)
+    assert np.abs(found(0.5 * np.cos(angle), 0.5 * np.sin(angle)) - 1).max() < 1e-14
+    square = rsym.half_plane((1, 0), 0).named("left") & rsym.half_plane((0, 1), 0).named("floor")
+    square = square & rsym.half_plane((-1, 0), -1) & rsym.half_plane((0, -1), -1)
+    with pytest.raises(rsym.RsymError, match=r"meet at \(0, 0\), where one is given 0, the other 1"):
+        rsym.solve(square, "-laplacian(u) = 0", {"left": 0, "floor": 1, ...: 0}, cells=8)
+
+
+def test_a_clamped_plate():
+    """(1 - r**2)**2/64 for the load 1, and (1 - r**2)/4 of a membrane whose edge is pulled to a slope."""
+    found = rsym.solve(RIM, "bilaplacian(u) = 1", rsym.clamped(), cells=8)
+    assert abs(found(0.3, 0.4) - 0.75**2 / 64) < 1e-14
+    sloping = rsym.solve(RIM, "bilaplacian(u) = 0", rsym.clamped(0, sp.Rational(-1, 2)), cells=12)
+    assert abs(sloping(0.3, 0.4) - 0.75 / 4) < 1e-9
+    with pytest.raises(rsym.RsymError, match="degree"):
+        rsym.solve(RIM, "bilaplacian(u) = 1", rsym.clamped(), cells=8, degree=1)
+
+
+def test_in_space():
+    ball = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=6, degree=2)
+    assert abs(ball(0.1, 0.2, 0.3) - 0.86) < 1e-4
+    assert ball.gradient(0.1, 0.2, [0.3, 0.4]).shape == (2, 3)
+
+
+def test_a_formula_meets_conditions_identically():
+    found = rsym.solve(RING, "-laplacian(u) = 1", {"rim": rsym.robin(2, 1), "bore": x}, cells=16)
+    formula = found.formula(6)
+    assert {symbol.name for symbol in formula.free_symbols} == {"x", "y"}
+    assert abs(formula.subs({x: sp.Rational(3, 10), y: sp.Rational(4, 10)}) - 0.3) < 1e-15
+    assert abs(float(formula.subs({x: 0.7, y: 0.2})) - found(0.7, 0.2)) < 1e-2
+    assert abs(float(found.formula(10).subs({x: 0.7, y: 0.2})) - found(0.7, 0.2)) < 1e-3
+    level = rsym.solve(RING, "-laplacian(u) = 4", {"rim": 0, "bore": rsym.constant()}, cells=16).formula(6)
+    assert abs(level.subs({x: 0.5, y: 0.0}) - level.subs({x: 0.0, y: 0.5})) < 1e-15
+
+
+def test_it_is_drawn():
+    import matplotlib.figure
+
+    found = rsym.solve(RIM, "-laplacian(u) = 1", 0, cells=8)
+    ax = matplotlib.figure.Figure().add_subplot()
+    artist = rsym.plot_field(found, ax=ax, resolution=40)
+    assert ax.get_title() == "$u$"
+    assert 0.2 < artist.levels.max() < 0.3
+    (line,) = rsym.level_lines(found, 0.16, resolution=40)
+    assert np.abs(np.hypot(*line.T) - 0.6).max() < 1e-9
+    ball = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=6, degree=2)
+    (line,) = rsym.level_lines(ball, 0.5, resolution=20, section={rsym.z: 0.5})
+    assert np.abs(np.hypot(*line.T) - 0.5).max() < 1e-3
+    with pytest.raises(rsym.RsymError, match="with_letters"):
+        rsym.plot_field(found, letters={"a": 1})
+
+
+def test_a_part_that_has_vanished_is_refused():
+    square = rsym.rectangle(2, 2) & rsym.half_plane((1, 0), -2).named("far")
+    with pytest.raises(rsym.RsymError, match="'far' has nothing of the boundary") as raised:
+        rsym.solve(square, "-laplacian(u) = 1", {"far": rsym.neumann(1), ...: 0}, cells=8)
+    assert raised.value.code == "vanished-part"

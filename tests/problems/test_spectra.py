@@ -1,0 +1,57 @@
+"""Eigenvalues against exact ones: drums, closed rooms, sloshing."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.special import jn_zeros, jnp_zeros
+
+import rsym
+from rsym import y
+
+DRUM = jn_zeros(0, 1)[0] ** 2
+
+
+@pytest.mark.parametrize(("degree", "most"), [(3, (2e-8, 3e-10)), (4, (1e-10, 2e-13)), (5, (1e-12, 5e-15))])
+def test_a_drum_by_degree(degree, most):
+    for cells, share in zip((8, 16), most, strict=True):
+        found = rsym.modes(rsym.disc(1), 1, cells=cells, degree=degree).values[0]
+        assert abs(found / DRUM - 1) < share
+
+
+def test_modes_are_orthogonal_and_of_the_size_one():
+    found = rsym.modes(rsym.disc(1), 4, cells=12)
+    rule = found.modes[0].rule
+    values = np.array([one.jets(rule.points, 0)[0] for one in found.modes])
+    np.testing.assert_allclose((values * rule.weights) @ values.T, np.eye(4), atol=1e-8)
+    assert np.allclose(found.values, [jn_zeros(k, 2)[j] ** 2 for k, j in ((0, 0), (1, 0), (1, 0), (2, 0))], rtol=1e-6)
+    assert found.modes[0](0, 0) > 0
+
+
+def test_a_closed_room_and_a_ball():
+    found = rsym.modes(rsym.disc(1), 3, {}, cells=12).values
+    assert abs(found[0]) < 1e-10
+    np.testing.assert_allclose(found[1:], jnp_zeros(1, 1)[0] ** 2, rtol=1e-7)
+    half = rsym.disc(1).named("rim") & rsym.half_plane((1, 0), 0)
+    assert abs(rsym.modes(half, 1, {"rim": 0}, axis=y, cells=12).values[0] / math.pi**2 - 1) < 1e-10
+
+
+def test_a_tank_sloshes():
+    """In a tank of width 1 and depth h the frequencies are k*pi*tanh(k*pi*h)."""
+    tank = rsym.rectangle(1, 1) & rsym.half_plane((0, -1), -0.25).named("surface")
+    found = rsym.modes(tank, 3, {}, mass={"surface": 1}, cells=12).values
+    exact = [0, *(k * math.pi * math.tanh(k * math.pi * 0.75) for k in (1, 2))]
+    np.testing.assert_allclose(found, exact, rtol=1e-6, atol=1e-9)
+
+
+def test_density_and_tolerance():
+    heavy = rsym.modes(rsym.disc(1), 1, mass=4, tolerance=1e-9)
+    assert abs(heavy.values[0] * 4 / DRUM - 1) < 1e-9
+    assert heavy.grades[-1].estimate < 1e-9
+
+
+def test_what_is_not_homogeneous_is_refused():
+    with pytest.raises(rsym.RsymError, match="values 0"):
+        rsym.modes(rsym.disc(1), 1, 1, cells=8)
+    with pytest.raises(rsym.RsymError, match="no part 'rin'"):
+        rsym.modes(rsym.disc(1).named("rim"), 1, {}, mass={"rin": 1}, cells=8)
