@@ -218,8 +218,7 @@ def level_lines(
     Parameters
     ----------
     shape : Shape or Solution
-        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one, whose lines end
-        where the shape does, to a cell of the lattice.
+        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found: lines end with its shape.
     level : float or sequence of float
         The level, or several: the field is compiled and sampled once for all of them.
     field : str
