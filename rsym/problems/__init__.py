@@ -10,6 +10,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
   SymPy, as its coefficients
 - `pointwise`: formulas compiled, at points; `conjuncts`: a hole each; `lifts`: functions with given values there
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
-- `galerkin`: the system of a problem; `refinement`: until its error is small; `solution`: what comes out
+- `places`: rules and insides of shapes; `galerkin`: the system of a problem; `refinement`: until its error is small;
+  `solution`: what comes out
 - `solving`, `spectra`: what is asked
 """

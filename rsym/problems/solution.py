@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -12,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
-from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_parts
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.problems.galerkin import Discretisation, Problem
+from rsym.problems.places import inside, on_shape, rule_for
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -27,11 +26,8 @@ from rsym.reports.document import Document, Sentence, Tabular, numerical
 from rsym.reports.numbers import short
 from rsym.reports.render import Report
 from rsym.reports.words import plural
-from rsym.sampling.extent import extent
-from rsym.sampling.rules.quadrature import Quadrature, quadrature
+from rsym.sampling.rules.quadrature import Quadrature
 
-# Of the size of the shape: points of the boundary are known to rounding.
-ON_BOUNDARY = 1e-12
 AT_ONCE = 1 << 18  # points
 NEWTON_STEPS = 8
 # The rule has so many points more than the degree along each direction of a cell.
@@ -154,7 +150,7 @@ class Solution:
     @cached_property
     def rule(self) -> Quadrature:
         """The rule of integration that it was found with."""
-        return rule_for(self.problem, self.report.cells, self.order)
+        return rule_for(self.shape, self.report.cells, self.order)
 
     def jets(self, points: Floats, order: int = 1) -> Floats:
         """The derivatives (kinds, n) up to an order of at most 2 at points (n, dimension), whether inside or not.
@@ -201,27 +197,11 @@ class Solution:
             return total + np.where(radius == 0, pure, found[1 + (1 - axis)] / radius)
 
     def _field(self, coordinates: tuple[ArrayLike, ...], order: int) -> Floats:
-        if len(coordinates) != self.problem.dimension:
-            raise RsymError(
-                f"a field on this shape takes {self.problem.dimension} coordinates, got {len(coordinates)}",
-                code="arity",
-            )
-        arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
-        points = np.stack([array.ravel() for array in arrays], axis=1)
-        found = np.full((len(derivatives(self.problem.dimension, order)), len(points)), np.nan)
-        inside = self.inside(points)
-        found[:, inside] = self.jets(points[inside], order)
-        return found.reshape(-1, *arrays[0].shape)
+        return on_shape(self.shape, self.splines, coordinates, lambda points: self.jets(points, order))
 
     def inside(self, points: Floats) -> Flags:
         """Which points (n, dimension) belong to the shape, those of the boundary to rounding."""
-        kernel = compile(self.shape, ("value", "gradient"), at_corners="one-sided")
-        found = kernel(*points.T)
-        size = float(np.max(self.splines.size * self.splines.counts))
-        with np.errstate(all="ignore"):
-            near = found["value"] >= -ON_BOUNDARY * size * np.linalg.norm(found["gradient"], axis=-1)
-        inside: Flags = ((found["value"] >= 0) | near) & (self.splines.cell_of(points) >= 0)
-        return inside
+        return inside(self.shape, self.splines, points)
 
     # -- numbers -----------------------------------------------------------------------------------------------------
 
@@ -299,7 +279,7 @@ class Solution:
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
         problem = replace(self.problem, shape=self.shape.with_letters(values))
-        rule = rule_for(problem, self.report.cells, self.order)
+        rule = rule_for(problem.shape, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
 
 
@@ -307,17 +287,6 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
     """The same solution, that knows its rule already."""
     solution.__dict__["rule"] = rule
     return solution
-
-
-def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
-    """The rule of integration of a problem."""
-    box = problem.shape.bounds
-    with suppress(RsymError):
-        found = extent(problem.shape)
-        # Bounds with room beside the shape would be cells without it.
-        if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
-            box = found
-    return quadrature(problem.shape, cells=cells, order=order, bounds=box)
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:

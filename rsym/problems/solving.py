@@ -17,8 +17,9 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
 from rsym.problems.galerkin import Problem
+from rsym.problems.places import rule_for
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
-from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, solved, with_rule
 from rsym.sampling.progress import Progress
 
 
@@ -90,11 +91,11 @@ def solve(
     checked_degree(degree)
     if cells is not None:
         whole(cells, "the cells", 1)
-        rule = rule_for(problem, cells, degree + MORE_POINTS)
+        rule = rule_for(problem.shape, cells, degree + MORE_POINTS)
         return solved(problem, rule, cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
-        made = solved(problem, rule_for(problem, cells, degree + MORE_POINTS), cells, degree)
+        made = solved(problem, rule_for(problem.shape, cells, degree + MORE_POINTS), cells, degree)
         return made, made.report.unknowns, estimated(made)
 
     found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
@@ -121,7 +122,23 @@ def problem_of(
 ) -> Problem:
     """The data of a problem, checked; `single`: whether it must have one answer."""
     require_shape(shape)
-    named, numbers = {}, {}
+    shape, named = lettered(shape, letters)
+    found = equation_of(equation, shape.coordinates, named)
+    turned = -1
+    if axis is not None:
+        if shape.dimension != 2:
+            raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
+        turned = coordinate(axis, shape.coordinates, "the axis")
+    made = Problem(shape, found, given_by_name(shape, conditions), resolved(shape, conditions), turned)
+    if single:
+        _require_single(made)
+    return made
+
+
+def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, dict[str, Any]]:
+    """The shape at values of its letters, with those of other names, and what names stand for that are no numbers."""
+    named: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     for key, value in (letters or {}).items():
         name = str(key)
         is_number = isinstance(value, int | float | sp.Number)
@@ -135,16 +152,7 @@ def problem_of(
     shape = shape.replace(letters={**{n: v for n, v in numbers.items() if n not in shape.letters}, **shape.letters})
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
-    found = equation_of(equation, shape.coordinates, named)
-    turned = -1
-    if axis is not None:
-        if shape.dimension != 2:
-            raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
-        turned = coordinate(axis, shape.coordinates, "the axis")
-    made = Problem(shape, found, given_by_name(shape, conditions), resolved(shape, conditions), turned)
-    if single:
-        _require_single(made)
-    return made
+    return shape, named
 
 
 def _require_single(problem: Problem) -> None:

@@ -18,8 +18,9 @@ from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.problems.galerkin import Discretisation, Problem, at_values, value_at
+from rsym.problems.places import rule_for
 from rsym.problems.refinement import Grade, refined
-from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, with_rule
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
 from rsym.problems.systems.linear import eigenpairs
@@ -130,7 +131,7 @@ def modes(
 
 def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) -> Spectrum:
     order = degree + MORE_POINTS
-    rule = rule_for(problem, cells, order)
+    rule = rule_for(problem.shape, cells, order)
     discrete = Discretisation(problem, rule, degree)
     stiffness, masses = discrete.matrix, _masses(discrete, mass)
     if count >= stiffness.shape[0] - 1:

@@ -132,11 +132,11 @@ def test_it_pickles():
 
 def test_threads_do_not_change_bits():
     from rsym.problems.galerkin import Discretisation
-    from rsym.problems.solution import rule_for
+    from rsym.problems.places import rule_for
     from rsym.problems.solving import problem_of
 
     problem = problem_of(RING, "-div((1 + x^2)*grad(u)) = 1", 0)
-    rule = rule_for(problem, 24, 7)
+    rule = rule_for(problem.shape, 24, 7)
     one, four = (Discretisation(problem, rule, 3, threads).matrix for threads in (1, 4))
     assert (one.data == four.data).all()
     assert (one.indices == four.indices).all()
