@@ -82,6 +82,10 @@ from .output.sweep import plot_sweep
 from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.verdicts import plot_verdict
 from .output.viewing import view
+from .problems.elastic.equilibrium import Forces
+from .problems.elastic.result import ElasticSolution, PlaneTensor
+from .problems.elastic.solving import elasticity
+from .problems.elastic.supports import displacement, fixed, pressure, roller, traction
 from .problems.interpolation import interpolate
 from .problems.solution import Attained, Solution, SolutionReport
 from .problems.solution_structures import solution_structure
@@ -136,10 +140,12 @@ __all__ = [
     "ContinuityReport",
     "Curve",
     "DesignTable",
+    "ElasticSolution",
     "FairnessReport",
     "Feature",
     "Finding",
     "Fit",
+    "Forces",
     "Image",
     "Joint",
     "Kernel",
@@ -151,6 +157,7 @@ __all__ = [
     "MeshFile",
     "Mesher",
     "NormalisationReport",
+    "PlaneTensor",
     "Price",
     "Quadrature",
     "R0m",
@@ -204,9 +211,11 @@ __all__ = [
     "dirichlet",
     "disc",
     "disjunction",
+    "displacement",
     "displacement_blend",
     "double_cone",
     "dumps",
+    "elasticity",
     "ellipse",
     "ellipsoid",
     "enclose",
@@ -219,6 +228,7 @@ __all__ = [
     "fairness",
     "fillet",
     "fit",
+    "fixed",
     "frustum",
     "gaussian_curvature",
     "gradient",
@@ -279,6 +289,7 @@ __all__ = [
     "plot_verdict",
     "polygon",
     "polyline",
+    "pressure",
     "primitives",
     "principal_curvatures",
     "product",
@@ -293,6 +304,7 @@ __all__ = [
     "rfNOT",
     "rfOR",
     "robin",
+    "roller",
     "row",
     "sample",
     "save",
@@ -324,6 +336,7 @@ __all__ = [
     "to_torch",
     "to_trimesh",
     "torus",
+    "traction",
     "transform",
     "triangle_wave",
     "trimming",

@@ -12,5 +12,5 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
 - `places`: rules and insides of shapes; `galerkin`: the system of a problem; `refinement`: until its error is small;
   `solution`: what comes out
-- `solving`, `spectra`: what is asked
+- `solving`, `spectra`: what is asked; `elastic/`: two displacements of a body in the plane
 """
