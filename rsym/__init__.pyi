@@ -91,6 +91,7 @@ from .problems.solution import Attained, Solution, SolutionReport
 from .problems.solution_structures import solution_structure
 from .problems.solving import solve
 from .problems.spectra import Spectrum, modes
+from .problems.torsion import Torsion, torsion
 from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -184,6 +185,7 @@ __all__ = [
     "SystemTable",
     "Threshold",
     "ThresholdCurve",
+    "Torsion",
     "__version__",
     "analytic_condition",
     "arc",
@@ -335,6 +337,7 @@ __all__ = [
     "to_pyvista",
     "to_torch",
     "to_trimesh",
+    "torsion",
     "torus",
     "traction",
     "transform",

@@ -10,7 +10,7 @@ import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Robin, Supported, UnknownLevel
 from rsym.analysis.differential import derivative
-from rsym.analysis.transfinite import Piece, inverse_distances, taylor, zero_with
+from rsym.analysis.transfinite import OnPart, inverse_distances, taylor, zero_with
 from rsym.errors import RsymError
 from rsym.model.arguments import number
 from rsym.model.letters import Letter, Letters
@@ -192,10 +192,10 @@ def structure_of(
             code="letter-conflict",
             remedy="rename it",
         )
-    fixed, left, factor = list[Piece](), iter(levels), sp.S.One
+    fixed, left, factor = list[OnPart](), iter(levels), sp.S.One
     for piece in pieces:
         if not isinstance(piece.condition, Robin):
-            fixed.append(Piece(_held(piece, coordinates, left), piece.weight))
+            fixed.append(OnPart(_held(piece, coordinates, left), piece.weight))
             factor *= piece.factor ** (2 if isinstance(piece.condition, Clamped) else 1)
     lifted = inverse_distances(fixed, POWER) if fixed else sp.S.Zero
     whole = lifted + factor * real_symbol(unknowns[0])
@@ -224,12 +224,12 @@ def _correction(
         derivative(whole, symbol) + derivative(whole, real_symbol(unknown)) * real_symbol(_slope(unknown, symbol))
         for symbol in coordinates
     ]
-    defects = list[Piece]()
+    defects = list[OnPart]()
     for condition, weight, _ in pieces:
         if isinstance(condition, Robin):
             along = dot([derivative(weight, symbol) for symbol in coordinates], slopes)
-            defects.append(Piece(along - condition.coefficient * whole + condition.flux, weight))
+            defects.append(OnPart(along - condition.coefficient * whole + condition.flux, weight))
         elif isinstance(condition, Clamped):
-            defects.append(Piece(sp.S.Zero, weight))
+            defects.append(OnPart(sp.S.Zero, weight))
     joined = Equivalence(sp.Integer(POWER), *(piece.weight for piece in pieces))
     return zero_with(joined, joined * inverse_distances(defects, POWER))

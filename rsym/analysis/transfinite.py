@@ -24,14 +24,14 @@ from rsym.model.symbols import substitute
 from rsym.model.vectors import dot
 
 
-class Piece(NamedTuple):
+class OnPart(NamedTuple):
     """A function, and the weight that vanishes where it is to be met."""
 
     function: sp.Expr
     weight: sp.Expr
 
 
-def inverse_distances(pieces: Sequence[Piece], power: int) -> sp.Expr:
+def inverse_distances(pieces: Sequence[OnPart], power: int) -> sp.Expr:
     """The sum of share_i*u_i, shares by w_i**-k, k being the power.
 
     Where several weights vanish it is the first of their functions, which is the limit where these agree.
@@ -39,7 +39,7 @@ def inverse_distances(pieces: Sequence[Piece], power: int) -> sp.Expr:
     Examples
     --------
     >>> from rsym import x, y
-    >>> inverse_distances([Piece(sp.Integer(0), x), Piece(sp.Integer(2), y)], 2)
+    >>> inverse_distances([OnPart(sp.Integer(0), x), OnPart(sp.Integer(2), y)], 2)
     2*x**2/(x**2 + y**2)
     """
     result = pieces[0].function
@@ -50,7 +50,7 @@ def inverse_distances(pieces: Sequence[Piece], power: int) -> sp.Expr:
     return result
 
 
-def joined_weights(pieces: Sequence[Piece], power: int) -> sp.Expr:
+def joined_weights(pieces: Sequence[OnPart], power: int) -> sp.Expr:
     """The sum of share_i*u_i with share_i = o_i**k over the sum of all o_j**k.
 
     o_i = (sum of w_j**-k over all j but i)**(-1/k), the joining of the other weights: it vanishes where one of them
@@ -59,7 +59,7 @@ def joined_weights(pieces: Sequence[Piece], power: int) -> sp.Expr:
     Examples
     --------
     >>> from rsym import x, y
-    >>> joined_weights([Piece(sp.Integer(0), x), Piece(sp.Integer(2), y)], 2)
+    >>> joined_weights([OnPart(sp.Integer(0), x), OnPart(sp.Integer(2), y)], 2)
     2*x**2/(x**2 + y**2)
     """
     plain = inverse_distances(pieces, power)

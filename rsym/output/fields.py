@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
 from matplotlib.contour import QuadContourSet
@@ -24,12 +25,12 @@ from rsym.output.sign_pictures import draw_signs
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import LevelLines, trace
-from rsym.sampling.plane import PlaneSampler, checked_scalar, plane_sampler
+from rsym.sampling.plane import GIVEN, GivenField, PlaneSampler, checked_scalar, plane_sampler
 from rsym.sampling.progress import Progress, tell
 
 
 def plot_field(
-    shape: Shape,
+    shape: Shape | GivenField,
     field: str = "value",
     *,
     ax: Axes | None = None,
@@ -53,8 +54,8 @@ def plot_field(
 
     Parameters
     ----------
-    shape : Shape
-        A shape in the plane, or one in space with ``section={z: 1.0}``.
+    shape : Shape or Solution
+        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one.
     field : str
         A scalar field of `compile`; or "sign", the inside in one colour: at each place only what matters there is
         evaluated, and of a shape of thousands of operations that is little.
@@ -105,16 +106,19 @@ def plot_field(
     >>> rsym.plot_field(disc, "sign", ax=ax, resolution=4).get_array()[2].tolist()
     [-1, -1, 1, 1, -1, -1]
     """
+    field_on = shape
+    if isinstance(shape, GivenField):
+        shape, outside, title = shape.shape, outside or "mask", title or f"${GIVEN}$"
     require_shape(shape)
     look = Look(levels, limits, colour_map, outside)
     if field == "sign":
         return draw_signs(shape, ax, look, title, resolution, bounds, letters, section)
     options: Any = {"resolution": resolution, "bounds": bounds, "letters": letters, "section": section, "force": force}
-    sampler = plane_sampler(shape, field, **options)
-    omega = sampler if field == "value" else plane_sampler(shape, "value", **options)
+    sampler = plane_sampler(field_on, field, **options)
+    omega = sampler if sampler.field == "value" else plane_sampler(shape, "value", **options)
     values = sampler.values()
-    logic = values if field == "value" else omega.values()
-    chosen = look.levels_of(values, field, logic > 0)
+    logic = values if omega is sampler else omega.values()
+    chosen = look.levels_of(values, sampler.field, logic > 0)
     alone = ax is None
     if ax is None:
         import matplotlib.pyplot
@@ -126,7 +130,8 @@ def plot_field(
     dress(ax, sampler, TITLES[field] if title is None else title)
     if alone:
         colour_bar(artist, ax)
-    for remark in (missing_boundary(shape, omega, logic, boundary), undefined_picture(field, values)):
+    undefined = undefined_picture(field, np.where(logic > 0, values, 0.0) if field_on is not shape else values)
+    for remark in (missing_boundary(shape, omega, logic, boundary), undefined):
         if remark:
             warn(remark)
     return artist

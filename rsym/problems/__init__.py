@@ -8,9 +8,11 @@ A shape with named parts comes in, and conditions by the names of these; functio
   undetermined ones in them that meet conditions
 - `terms`: what is linear in an unknown function; `equation_text`, `equations`: a differential equation, of text or
   SymPy, as its coefficients
-- `pointwise`: formulas compiled, at points; `conjuncts`: a hole each; `lifts`: functions with given values there
+- `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
-- `places`: rules and insides of shapes; `galerkin`: the system of a problem; `refinement`: until its error is small;
+- `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
+  solution is made of
+- `galerkin`: the system of a problem; `refinement`: until its error is small; `printed`: a solution as an expression;
   `solution`: what comes out
-- `solving`, `spectra`: what is asked; `elastic/`: two displacements of a body in the plane
+- `solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane
 """

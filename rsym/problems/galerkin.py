@@ -1,12 +1,11 @@
 """Galerkin's equations of a boundary value problem on weighted splines: what is integrated, and the system.
 
-u = g + omega*phi + a*e: a lift g of the values on the boundary, the weight omega, a spline phi, and a few functions e
-beside, such as the one that is 1 on a hole at an unknown level. Conditions on fluxes are integrals along the boundary.
+Conditions on fluxes are integrals along the boundary.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,131 +14,16 @@ import numpy as np
 import sympy as sp
 from scipy import sparse
 
-from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Robin, Supported, UnknownLevel
+from rsym.analysis.conditions import Robin
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.logic.sign_form import SignForm, shape_form
-from rsym.logic.weights import weight
-from rsym.model.equation import Equation
-from rsym.model.shape import Shape
-from rsym.problems.conditions import Name
-from rsym.problems.conjuncts import grouped
-from rsym.problems.equations import EllipticEquation
-from rsym.problems.lifts import lift_of
-from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
+from rsym.problems.problem import Problem, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
 from rsym.problems.systems.forms import Assembler, CellPoints, extended
-from rsym.program.lowering import lower
 from rsym.sampling.rules.quadrature import Quadrature
 
 Jets = Callable[[Floats], Floats]
-VALUE, FLUX = "value", "flux"
-VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
-
-
-@dataclass(frozen=True, eq=False)
-class Problem:
-    """A shape, an equation, and a condition on each leaf of the shape.
-
-    named : the conditions by the names of parts.
-    conditions : in the order of the leaves of `shape_form`; None where nothing is said, so nothing flows.
-    axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
-    """
-
-    shape: Shape
-    equation: EllipticEquation
-    named: Mapping[Name, BoundaryCondition]
-    conditions: tuple[BoundaryCondition | None, ...]
-    axis: int = -1
-
-    def __getstate__(self) -> dict[str, Any]:
-        """What was compiled on the way is made again."""
-        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
-
-    @property
-    def dimension(self) -> int:
-        """Of the shape."""
-        return len(self.shape.coordinates)
-
-    @cached_property
-    def form(self) -> SignForm:
-        """The sign form of the shape."""
-        return shape_form(self.shape)
-
-    def leaves(self, *kinds: type[BoundaryCondition]) -> tuple[int, ...]:
-        """The leaves with conditions of some kinds."""
-        return tuple(k for k, condition in enumerate(self.conditions) if isinstance(condition, kinds))
-
-    @property
-    def order(self) -> int:
-        """Of the highest derivatives that are integrated."""
-        return self.equation.order // 2
-
-    @cached_property
-    def weight_node(self) -> int:
-        """What vanishes where u is given, and twice where its slope is too."""
-        return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
-
-    def _vanishing(self, leaves: Collection[int]) -> int:
-        found = weight(self.form, leaves)
-        return self.form.builder.const(1) if found is None else found
-
-    def weight(self, order: int) -> PointFormulas:
-        """The derivatives of the weight up to an order."""
-        return self._with_derivatives("weight", order, lambda: {"": self.weight_node})
-
-    @cached_property
-    def lift_expression(self) -> sp.Expr:
-        """A function with the values of u on the boundary."""
-        return lift_of(self.shape, self.named)
-
-    def lift(self, order: int) -> PointFormulas | None:
-        """Its derivatives; None where it is 0."""
-        if self.lift_expression == 0:
-            return None
-        return self._with_derivatives("lift", order, lambda: {"": lower(self.form.builder, self.lift_expression)})
-
-    @cached_property
-    def levels(self) -> tuple[tuple[int, ...], ...]:
-        """The leaves of the parts at unknown levels, one part after the other."""
-        return grouped(self.form, self.leaves(UnknownLevel))
-
-    @cached_property
-    def extra_nodes(self) -> dict[str, int]:
-        """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where W, that of all others, is."""
-        b, found = self.form.builder, {}
-        for number, hole in enumerate(self.levels):
-            others = self._vanishing([leaf for leaf in self.leaves(*VALUED) if leaf not in hole])
-            found[f"level {number}"] = b.div(others, b.add(others, self._vanishing(hole)))
-        return found
-
-    def extra(self, order: int) -> PointFormulas | None:
-        """Their derivatives, one function after the other."""
-        return self._with_derivatives("extra", order, lambda: self.extra_nodes) if self.levels else None
-
-    def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
-        """What was compiled is kept."""
-        if (name, order) not in self._made:
-            b = self.form.builder
-            found = with_derivatives(b, nodes(), b.coordinates, order)
-            self._made[name, order] = compiled(self.shape, b, found)
-        return self._made[name, order]
-
-    @cached_property
-    def _made(self) -> dict[tuple[str, int], PointFormulas]:
-        return {}
-
-    @cached_property
-    def coefficients(self) -> PointFormulas:
-        """The coefficients of the equation, in the order of `EllipticEquation.expressions`."""
-        return formulas(self.shape, self.equation.expressions, self.equation.functions)
-
-    def radius(self, points: Floats) -> Floats:
-        """What an integral about an axis is weighed by: the distance from it, 2 pi apart; else 1."""
-        if self.axis < 0:
-            return np.ones(len(points))
-        return np.abs(points[:, 1 - self.axis])
 
 
 @dataclass(frozen=True)
@@ -175,7 +59,7 @@ class Discretisation:
     @property
     def extra_count(self) -> int:
         """How many functions there are beside the splines."""
-        return len(self.problem.levels)
+        return self.problem.extra_count
 
     def tests(self, points: Floats) -> Floats:
         """The weight and its derivatives (kinds, n)."""
@@ -183,11 +67,7 @@ class Discretisation:
 
     def extras(self, points: Floats) -> Floats:
         """The derivatives (kinds, functions, n) of the functions beside the splines."""
-        functions = self.problem.extra(self.problem.order)
-        if functions is None:
-            return np.zeros((self.kinds, 0, len(points)))
-        found = functions(points).reshape(self.extra_count, -1, len(points))
-        return np.ascontiguousarray(found.transpose(1, 0, 2))
+        return self.problem.extras(points, self.problem.order)
 
     # -- forms at points -------------------------------------------------------------------------------------------
 
@@ -307,6 +187,8 @@ class Discretisation:
         if lift is not None:
             for where, form in self._with_extras(lift, 1):
                 total = total - self._loads(where, _applied(form, lambda points: lift(points)[:, None]))
+        for number, flow in enumerate(self.problem.flows):
+            total[0, total.shape[1] - self.extra_count + number] += flow
         return total[0]
 
     def _with_extras(self, given: Jets, count: int) -> list[tuple[CellPoints, Any]]:
@@ -380,12 +262,3 @@ def _applied(form: Any, given: Jets, *, transposed: bool = False) -> Callable[[s
         return np.ascontiguousarray(np.einsum("nkl,lcn->nkc", values, given(points)))
 
     return load
-
-
-def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
-    """An expression, a shape or a Python function at points."""
-    if isinstance(value, Equation):
-        value = value.expression
-    if isinstance(value, sp.Basic):
-        return formulas(shape, {VALUE: value})(points)[0]
-    return values_of(FLUX, value, list(np.ascontiguousarray(points.T)))

@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet
-from rsym.analysis.transfinite import Piece, inverse_distances, joined_weights, taylor
+from rsym.analysis.transfinite import OnPart, inverse_distances, joined_weights, taylor
 from rsym.errors import RsymError
 from rsym.logic.weights import even
 from rsym.model.arguments import LetterMapping, positive, whole
@@ -103,7 +103,7 @@ def interpolate(
     parts.require_all()
     parts.require_agreement({name: given[0] for name, given in slopes.items() if name in parts.leaves})
     found = parts.weights(degree, positive(length, "the length", known.letters))
-    pieces = [Piece(taylor(w, shape.coordinates, slopes[name]), w) for name, w in found.items()]
+    pieces = [OnPart(taylor(w, shape.coordinates, slopes[name]), w) for name, w in found.items()]
     u = BLENDS[weights](pieces, even(degree + 1))
     return Shape(u, shape.coordinates, letters=known.letters, bounds=parts.box)
 

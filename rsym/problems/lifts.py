@@ -8,7 +8,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
-from rsym.analysis.transfinite import Piece, inverse_distances
+from rsym.analysis.transfinite import OnPart, inverse_distances
 from rsym.model.shape import Shape
 from rsym.model.symbols import symbols_of
 from rsym.problems.conditions import Name
@@ -54,7 +54,7 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Ex
     parts.require_all()
     parts.require_agreement({name: given[0] for name, given in data.items() if name in parts.leaves})
     factors = parts.factors()
-    return inverse_distances([Piece(data[name][0], factors[name]) for name in parts.leaves], 1)
+    return inverse_distances([OnPart(data[name][0], factors[name]) for name in parts.leaves], 1)
 
 
 def _expression(shape: Shape, value: Any, name: Name) -> sp.Expr:

@@ -8,15 +8,15 @@ boundary.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
 
 import numpy as np
 
-from rsym.arrays import Flags, Floats
-from rsym.backends.kernel import Kernel, compile_program
+from rsym.arrays import Flags, Floats, Ints
+from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.sign_form import SignForm
 from rsym.logic.weights import weight
@@ -28,29 +28,43 @@ from rsym.sampling.plane_leaves import active_leaf
 GRID = {2: 16, 3: 8}  # boxes along each axis
 # Halvings: corners of the plane lie 1e6 boxes apart at the end, edges in space some two hundred points from each other.
 DEEPEST = {2: 16, 3: 4}
-MOST = 4096  # boxes left: parts that meet all along a curve are seen at so many places of it
+# Boxes left, and those of them that are looked at: parts that meet all along a curve are seen at so many places of it.
+MOST, FEW = 4096, 512
+AT_A_GLANCE = 16  # boxes in which a part is looked for before they are divided
 STEPS = 60  # halve the way to where two leaves are tangent to 1e-18 of it
+OFF = 16  # last steps: how far off a point may be where two leaves are tangent
 SLACK = 1e-9  # of the box: what Newton's method leaves, and how far beyond a box a point of it may lie
+ROUNDING = 1e-15  # of the box
 NEAR_ENOUGH = 1e-7  # of the box: points that are taken for one
 
 
 @dataclass(frozen=True)
-class Boundary:
-    """The boundary of a shape at its default letters, for questions where parts of it, sets of leaves, are."""
+class Places:
+    """Where parts of the boundary of a shape, sets of leaves, are within a box, letters at their defaults.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym.logic.sign_form import shape_form
+    >>> half = rsym.disc(2) & rsym.half_plane((1, 0), 0)
+    >>> places = Places(half, shape_form(half), ((-3, 3), (-3, 3)), ((0,), (1,)))
+    >>> places.has(1), sorted(places.meeting(0, 1)[0].round(12).tolist())
+    (True, [[0.0, -2.0], [0.0, 2.0]])
+    """
 
     shape: Shape
     form: SignForm
     box: Bounds
+    parts: tuple[tuple[int, ...], ...]
 
-    def has(self, part: Collection[int]) -> bool:
-        """Whether the part has a point within the box."""
+    def has(self, part: int) -> bool:
+        """Whether a part, by its number, has a point within the box."""
         return any(len(points) for points in self._search([part]))
 
-    def meeting(self, one: Collection[int], other: Collection[int]) -> tuple[Floats, Floats]:
+    def meeting(self, one: int, other: int) -> tuple[Floats, Floats]:
         """Points (n, dim) where two parts meet, and (n,) how far off they may be."""
         *_, last = self._search([one, other])
-        points, doubt = last[:, :-1], last[:, -1]
-        return points, doubt
+        return last[:, :-1], OFF * last[:, -1] + ROUNDING * self._size
 
     @cached_property
     def _letters(self) -> dict[str, float]:
@@ -63,49 +77,55 @@ class Boundary:
         for number, leaf in enumerate(self.form.leaves):
             outputs[f"{number}"] = leaf
             outputs |= {f"{number} {axis}": node for axis, node in enumerate(gradient(b, leaf))}
-        return compile_program(b.program(outputs), tuple(outputs), self.shape, backend="numpy")
+        return compile_program(b.program(outputs), (), self.shape, backend="numpy")
 
     def _at(self, points: Floats) -> tuple[Floats, Floats]:
         """The values (leaves, n) and the gradients (leaves, n, dim) at points (n, dim)."""
-        found = self._leaves(*points.T)
-        rows = np.array([found[name] for name in self._leaves.fields])
-        rows = rows.reshape(len(self.form.leaves), 1 + points.shape[1], len(points))
+        kernel = self._leaves
+        out = np.empty((len(kernel.program.outputs), len(points)))
+        letters = [self._letters[name] for name in kernel.program.letters]
+        run_in_blocks(kernel.function, list(np.ascontiguousarray(points.T)), letters, out, threads=1)
+        rows = out.reshape(len(self.form.leaves), 1 + points.shape[1], len(points))
         return rows[:, 0], np.moveaxis(rows[:, 1:], 1, 2)
 
-    def _search(self, parts: Sequence[Collection[int]]) -> Iterator[Floats]:
-        """From depth to depth the points (n, dim + 1) of all parts, how far off they may be last; until there are."""
-        dimension, box = self.shape.dimension, Boxes(*np.array(self.box).T[:, :, None])
-        boxes = grid(box, GRID[dimension])
-        bounds = self._bounds(parts)
-        for depth in range(DEEPEST[dimension] + 1):
-            boxes = boxes[self._open(bounds, boxes, len(parts))]
+    def _search(self, parts: Sequence[int]) -> Iterator[Floats]:
+        """From depth to depth points (n, dim + 1) of all parts, how far off they may be last."""
+        dimension = self.shape.dimension
+        boxes, open_ = self._first
+        boxes = boxes[open_[list(parts)].all(axis=0)]
+        for _ in range(DEEPEST[dimension]):
             if not len(boxes) or len(boxes) > MOST:
                 break
             if len(parts) == 1:
-                yield self._points(parts, boxes)
-            if depth < DEEPEST[dimension]:
-                boxes, _ = halves(boxes)
+                yield self._points(parts, boxes[_spread(len(boxes), AT_A_GLANCE)])
+            boxes, _ = halves(boxes)
+            boxes = boxes[self._open(boxes)[list(parts)].all(axis=0)]
+        if len(boxes) > MOST:
+            boxes = boxes[_spread(len(boxes), FEW)]
         yield self._points(parts, boxes)
 
-    def _bounds(self, parts: Sequence[Collection[int]]) -> IntervalFunction:
-        """Of the weights of parts, and of the form."""
-        b = self.form.builder
-        weights = [weight(self.form, part) for part in parts]
-        outputs = {f"part {k}": node for k, node in enumerate(weights) if node is not None}
-        return IntervalFunction(b.program({**outputs, "form": self.form.value}), "numpy", threads=1)
+    @cached_property
+    def _first(self) -> tuple[Boxes, Flags]:
+        """Boxes, and which of them may have points of which part (parts, n)."""
+        boxes = grid(Boxes(*np.array(self.box).T[:, :, None]), GRID[self.shape.dimension])
+        return boxes, self._open(boxes)
 
-    def _open(self, bounds: IntervalFunction, boxes: Boxes, parts: int) -> Flags:
-        """Which boxes may have points of all parts."""
-        found = bounds(list(boxes.lower), list(boxes.upper), self._letters)
-        kept: Flags = (found["form"][0] <= 0) & (found["form"][1] >= 0)
-        for k in range(parts):
-            low, high = found[f"part {k}"]
-            kept &= (low <= 0) & (high >= 0)
-        return kept
+    @cached_property
+    def _bounds(self) -> IntervalFunction:
+        """Of the form, and of the weights of parts."""
+        nodes = [weight(self.form, part) for part in self.parts]
+        weights = {f"{k}": node for k, node in enumerate(nodes) if node is not None}
+        return IntervalFunction(self.form.builder.program({"form": self.form.value, **weights}), "numpy", threads=1)
 
-    def _points(self, parts: Sequence[Collection[int]], boxes: Boxes) -> Floats:
+    def _open(self, boxes: Boxes) -> Flags:
+        """Which boxes may have points of which part (parts, n)."""
+        found = self._bounds(list(boxes.lower), list(boxes.upper), self._letters)
+        beside, *rows = [(low <= 0) & (high >= 0) for low, high in found.values()]
+        return np.array([beside & row for row in rows])
+
+    def _points(self, parts: Sequence[int], boxes: Boxes) -> Floats:
         """The points of all parts in or beside boxes, each once."""
-        found = [self._newton(leaves, boxes) for leaves in product(*parts)]
+        found = [self._newton(leaves, boxes) for leaves in product(*(self.parts[k] for k in parts))]
         points = np.concatenate([np.empty((0, self.shape.dimension + 1)), *found])
         keys = np.round(points[:, :-1] / (NEAR_ENOUGH * self._size)).astype(np.int64)
         return points[np.sort(np.unique(keys, axis=0, return_index=True)[1])]
@@ -125,7 +145,7 @@ class Boundary:
                 step = _least(values.T, np.moveaxis(slopes, 0, 1))
                 step *= np.minimum(1, reach / np.linalg.norm(step, axis=1))[:, None]
                 points = points - step
-                if not (np.abs(step) > SLACK**2 * self._size).any():
+                if not (np.abs(step) > ROUNDING * self._size).any():
                     break
             values, slopes = self._at(points)
             away = np.abs(values[chosen]).max(axis=0)
@@ -138,6 +158,11 @@ class Boundary:
             good &= ((points >= lower - SLACK * self._size) & (points <= upper + SLACK * self._size)).all(axis=1)
         found: Floats = np.column_stack([points, doubt])[good]
         return found
+
+
+def _spread(count: int, most: int) -> Ints:
+    """The numbers of so many of `count` things, from the first on."""
+    return np.arange(0, count, max(1, count // most))
 
 
 def _least(values: Floats, slopes: Floats) -> Floats:

@@ -21,12 +21,12 @@ from rsym.model.equation import Equation
 from rsym.model.letters import Letters
 from rsym.model.shape import Bounds, Shape
 from rsym.problems.conditions import Name, assigned
-from rsym.problems.meetings import Boundary
+from rsym.problems.meetings import Places
 from rsym.program.raising import raised
 from rsym.sampling.extent import bounds_or_extent
 
 AGREEMENT = 1e-9  # of the size of data
-ASIDE, LOOSELY = 1e-5, 1e-3  # where data are undefined where they meet: of the box, and of their size
+ASIDE, LOOSELY = 1e-8, 1e-3  # where data are undefined where they meet: of the box, and of their size
 LATTICE = 5  # points along each axis that tell the size of data
 
 
@@ -40,13 +40,13 @@ class Parts:
     box: Bounds
 
     @cached_property
-    def _boundary(self) -> Boundary:
-        return Boundary(self.shape, self.form, self.box)
+    def _places(self) -> Places:
+        return Places(self.shape, self.form, self.box, tuple(map(tuple, self.leaves.values())))
 
     def require_all(self) -> None:
         """Refuse a part that has nothing of the boundary where letters have their defaults."""
-        for name, leaves in self.leaves.items():
-            if not self._boundary.has(leaves):
+        for k, name in enumerate(self.leaves):
+            if not self._places.has(k):
                 values = ", ".join(f"{title} = {float(one.default):g}" for title, one in self.shape.letters.items())
                 raise RsymError(
                     f"{_called(name)} has nothing of the boundary{values and f' where {values}'}",
@@ -56,10 +56,11 @@ class Parts:
 
     def require_agreement(self, data: Mapping[Name, sp.Expr]) -> None:
         """Refuse values of two parts that differ where these meet, letters at their defaults."""
+        numbers = list(self.leaves)
         for (one, f), (other, g) in combinations(data.items(), 2):
             if f == g:
                 continue
-            points, doubt = self._boundary.meeting(self.leaves[one], self.leaves[other])
+            points, doubt = self._places.meeting(numbers.index(one), numbers.index(other))
             if not len(points):
                 continue
             compared = _Compared(self.shape, f, g, self.box)

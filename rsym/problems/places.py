@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -20,15 +20,15 @@ from rsym.sampling.rules.quadrature import Quadrature, quadrature
 ON_BOUNDARY = 1e-12
 
 
-def rule_for(shape: Shape, cells: int, order: int) -> Quadrature:
-    """The rule of integration of a problem on a shape."""
+def rule_on(shape: Shape, cells: int, order: int, near: Sequence[Sequence[float]] = ()) -> Quadrature:
+    """The rule of integration of a problem on a shape, its cells graded towards some points."""
     box = shape.bounds
     with suppress(RsymError):
         found = extent(shape)
         # Bounds with room beside the shape would be cells without it.
         if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
             box = found
-    return quadrature(shape, cells=cells, order=order, bounds=box)
+    return quadrature(shape, cells=cells, order=order, bounds=box, near=near or None)
 
 
 def inside(shape: Shape, splines: WebSplines, points: Floats) -> Flags:

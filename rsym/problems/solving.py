@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported
+from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported, UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
-from rsym.problems.galerkin import Problem
-from rsym.problems.places import rule_for
+from rsym.problems.loops import holes
+from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
-from rsym.problems.solution import MORE_POINTS, Solution, solved, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
 from rsym.sampling.progress import Progress
 
 
@@ -33,6 +33,7 @@ def solve(
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
+    corners: bool = True,
     progress: Progress | None = None,
 ) -> Solution:
     """The solution of a linear elliptic equation on a shape.
@@ -60,6 +61,9 @@ def solve(
     axis : coordinate, optional
         The shape in the plane is half the section of a body of revolution about this axis; u does not depend on the
         angle, and operators are those of space.
+    corners : bool
+        Whether functions of their own are added at corners of a shape in the plane where solutions are singular; an
+        equation that diffuses differently in different directions has none.
     progress : callable, optional
         ``progress(done, total)``; an answer of False cancels.
 
@@ -88,14 +92,15 @@ def solve(
     np.True_
     """
     problem = problem_of(shape, equation, conditions, letters=letters, axis=axis)
+    problem = with_corners(problem) if corners else problem
     checked_degree(degree)
     if cells is not None:
         whole(cells, "the cells", 1)
-        rule = rule_for(problem.shape, cells, degree + MORE_POINTS)
+        rule = rule_for(problem, cells, degree + MORE_POINTS)
         return solved(problem, rule, cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
-        made = solved(problem, rule_for(problem.shape, cells, degree + MORE_POINTS), cells, degree)
+        made = solved(problem, rule_for(problem, cells, degree + MORE_POINTS), cells, degree)
         return made, made.report.unknowns, estimated(made)
 
     found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
@@ -129,7 +134,9 @@ def problem_of(
         if shape.dimension != 2:
             raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
         turned = coordinate(axis, shape.coordinates, "the axis")
-    made = Problem(shape, found, given_by_name(shape, conditions), resolved(shape, conditions), turned)
+    on_leaves = resolved(shape, conditions)
+    unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
+    made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
     if single:
         _require_single(made)
     return made

@@ -17,10 +17,10 @@ from rsym.logic.leaf_names import leaf_parts
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
-from rsym.problems.galerkin import Discretisation, Problem, at_values, value_at
-from rsym.problems.places import rule_for
+from rsym.problems.galerkin import Discretisation, at_values
+from rsym.problems.problem import Problem, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
-from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
 from rsym.problems.systems.linear import eigenpairs
@@ -73,6 +73,7 @@ def modes(
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
+    corners: bool = True,
     progress: Progress | None = None,
 ) -> Spectrum:
     """The least eigenvalues and the modes of a shape: L u = lambda*m*u with homogeneous conditions.
@@ -90,7 +91,7 @@ def modes(
         ``{"surface": 1}``.
     equation : text or SymPy
         Its operator is L; ``"bilaplacian(u) = 0"`` for plates.
-    degree, cells, tolerance, letters, axis, progress
+    degree, cells, tolerance, letters, axis, corners, progress
         As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
 
     Raises
@@ -111,6 +112,7 @@ def modes(
     problem = problem_of(
         shape, equation, 0 if conditions is None else conditions, letters=letters, axis=axis, single=False
     )
+    problem = with_corners(problem) if corners else problem
     if problem.lift_expression != 0 or not problem.equation.symmetric:
         raise RsymError(
             "modes need conditions with values 0, and an equation without first derivatives",
@@ -131,7 +133,7 @@ def modes(
 
 def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) -> Spectrum:
     order = degree + MORE_POINTS
-    rule = rule_for(problem.shape, cells, order)
+    rule = rule_for(problem, cells, order)
     discrete = Discretisation(problem, rule, degree)
     stiffness, masses = discrete.matrix, _masses(discrete, mass)
     if count >= stiffness.shape[0] - 1:

@@ -18,7 +18,7 @@ from rsym.model.requirements import optional_package, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.reports.document import Document, Sentence, numerical
 from rsym.reports.render import Report
-from rsym.sampling.plane import PlaneSampler, plane_sampler
+from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler
 from rsym.sampling.stills import line_picture
 
 NEWTON_STEPS = 12
@@ -180,7 +180,7 @@ def _turned_like(moved: _Moved, before: Floats) -> _Moved:
 
 @overload
 def level_lines(
-    shape: Shape,
+    shape: Shape | GivenField,
     level: float = 0.0,
     *,
     field: str = "value",
@@ -192,7 +192,7 @@ def level_lines(
 ) -> LevelLines: ...
 @overload
 def level_lines(
-    shape: Shape,
+    shape: Shape | GivenField,
     level: Sequence[float] | Floats,
     *,
     field: str = "value",
@@ -203,7 +203,7 @@ def level_lines(
     force: bool = False,
 ) -> tuple[LevelLines, ...]: ...
 def level_lines(
-    shape: Shape,
+    shape: Shape | GivenField,
     level: float | Sequence[float] | Floats = 0.0,
     *,
     field: str = "value",
@@ -217,8 +217,9 @@ def level_lines(
 
     Parameters
     ----------
-    shape : Shape
-        A shape in the plane, or one in space with ``section={z: 1.0}``.
+    shape : Shape or Solution
+        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one, whose lines end
+        where the shape does, to a cell of the lattice.
     level : float or sequence of float
         The level, or several: the field is compiled and sampled once for all of them.
     field : str
@@ -254,7 +255,7 @@ def level_lines(
     >>> [round(float(np.hypot(*lines[0].T).max()), 3) for lines in rsym.level_lines(disc, [0.75, 0.19], resolution=32)]
     [0.5, 0.9]
     """
-    require_shape(shape)
+    require_shape(shape.shape if isinstance(shape, GivenField) else shape)
     asked: Any = level if isinstance(level, Sequence | np.ndarray) and not isinstance(level, str) else [level]
     wanted = [float(real_number(one, "the level")) for one in asked]
     if not wanted:
@@ -263,6 +264,9 @@ def level_lines(
         shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section, force=force
     )
     values = sampler.values()
+    if isinstance(shape, GivenField):
+        inside = plane_sampler(shape.shape, "value", resolution=resolution, bounds=bounds, section=section, force=force)
+        values = np.where(inside.values() >= 0, values, np.nan)
     found = tuple(trace(sampler, one, field, values=values, bounds=sampler.bounds) for one in wanted)
     return found if asked is level else found[0]
 

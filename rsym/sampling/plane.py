@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,21 @@ SAMPLES = Demand(memory=85.0, time=4e-7)
 SURROUNDINGS = 1 / 8  # of a side, shown around a zero set whose bounds were found
 
 
+@runtime_checkable
+class GivenField(Protocol):
+    """A field on a shape that is no field of the shape: a solution of an equation there."""
+
+    @property
+    def shape(self) -> Shape:
+        """What it is a field on."""
+
+    def sampled(self, *coordinates: Any, letters: Mapping[Any, float] | None = None) -> dict[str, NDArray[Any]]:
+        """Its value and gradient at points, as a kernel gives those of a shape; beside the shape as it goes on."""
+
+
+GIVEN = "u"  # what such a field is called
+
+
 @dataclass(frozen=True)
 class PlaneSampler:
     """Values and in-plane gradient of one scalar field, as functions of the two free coordinates.
@@ -43,7 +58,7 @@ class PlaneSampler:
     fixed: Mapping[int, float]
     letters: Mapping[Any, float] | None
     bounds: Bounds
-    given: Kernel | None = None
+    given: Callable[..., dict[str, NDArray[Any]]] | None = None
 
     @property
     def names(self) -> tuple[str, str]:
@@ -52,7 +67,7 @@ class PlaneSampler:
         return first, second
 
     @cached_property
-    def kernel(self) -> Kernel:
+    def kernel(self) -> Any:
         """Value and gradient of the field."""
         return _kernel(self.shape, self.field, bool(self.fixed)) if self.given is None else self.given
 
@@ -126,7 +141,7 @@ class PlaneSampler:
 
 
 def plane_sampler(
-    shape: Shape,
+    shape: Shape | GivenField,
     field: str,
     *,
     resolution: Any,
@@ -142,6 +157,17 @@ def plane_sampler(
     where the caller cannot be.
     """
     checked_scalar(field)
+    given = None
+    if isinstance(shape, GivenField):
+        if field != "value":
+            raise RsymError(
+                f"of a solution the value is drawn, not {field!r}", code="unknown-field", remedy="leave it out"
+            )
+        if letters:
+            raise RsymError(
+                "a solution is one for its letters", code="letters", remedy="draw solution.with_letters({...})"
+            )
+        shape, given, field = shape.shape, shape.sampled, GIVEN
     if field == "curvature" and section:
         shape, bounds = plane_section(shape, section, bounds)
         section = None
@@ -152,7 +178,7 @@ def plane_sampler(
     replace(SAMPLES, memory=held * SAMPLES.memory, time=held * SAMPLES.time).check(
         resolution, lattice.counts, force=force
     )
-    return PlaneSampler(shape, field, lattice, free, fixed, letters, box)
+    return PlaneSampler(shape, field, lattice, free, fixed, letters, box, given)
 
 
 @recently(16)

@@ -132,11 +132,11 @@ def test_it_pickles():
 
 def test_threads_do_not_change_bits():
     from rsym.problems.galerkin import Discretisation
-    from rsym.problems.places import rule_for
+    from rsym.problems.solution import rule_for
     from rsym.problems.solving import problem_of
 
     problem = problem_of(RING, "-div((1 + x^2)*grad(u)) = 1", 0)
-    rule = rule_for(problem.shape, 24, 7)
+    rule = rule_for(problem, 24, 7)
     one, four = (Discretisation(problem, rule, 3, threads).matrix for threads in (1, 4))
     assert (one.data == four.data).all()
     assert (one.indices == four.indices).all()
@@ -207,3 +207,31 @@ def test_in_space():
     ball = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=6, degree=2)
     assert abs(ball(0.1, 0.2, 0.3) - 0.86) < 1e-4
     assert ball.gradient(0.1, 0.2, [0.3, 0.4]).shape == (2, 3)
+
+
+def test_a_formula_meets_conditions_identically():
+    found = rsym.solve(RING, "-laplacian(u) = 1", {"rim": rsym.robin(2, 1), "bore": x}, cells=16)
+    formula = found.formula(6)
+    assert {symbol.name for symbol in formula.free_symbols} == {"x", "y"}
+    assert abs(formula.subs({x: sp.Rational(3, 10), y: sp.Rational(4, 10)}) - 0.3) < 1e-15
+    assert abs(float(formula.subs({x: 0.7, y: 0.2})) - found(0.7, 0.2)) < 1e-2
+    assert abs(float(found.formula(10).subs({x: 0.7, y: 0.2})) - found(0.7, 0.2)) < 1e-3
+    level = rsym.solve(RING, "-laplacian(u) = 4", {"rim": 0, "bore": rsym.constant()}, cells=16).formula(6)
+    assert abs(level.subs({x: 0.5, y: 0.0}) - level.subs({x: 0.0, y: 0.5})) < 1e-15
+
+
+def test_it_is_drawn():
+    import matplotlib.figure
+
+    found = rsym.solve(RIM, "-laplacian(u) = 1", 0, cells=8)
+    ax = matplotlib.figure.Figure().add_subplot()
+    artist = rsym.plot_field(found, ax=ax, resolution=40)
+    assert ax.get_title() == "$u$"
+    assert 0.2 < artist.levels.max() < 0.3
+    (line,) = rsym.level_lines(found, 0.16, resolution=40)
+    assert np.abs(np.hypot(*line.T) - 0.6).max() < 1e-9
+    ball = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=6, degree=2)
+    (line,) = rsym.level_lines(ball, 0.5, resolution=20, section={rsym.z: 0.5})
+    assert np.abs(np.hypot(*line.T) - 0.5).max() < 1e-3
+    with pytest.raises(rsym.RsymError, match="with_letters"):
+        rsym.plot_field(found, letters={"a": 1})

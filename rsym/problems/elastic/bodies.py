@@ -19,9 +19,9 @@ from rsym.model.shape import Shape
 from rsym.model.wording import listing
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
-from rsym.problems.galerkin import value_at
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, compiled, with_derivatives
+from rsym.problems.problem import value_at
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower
 

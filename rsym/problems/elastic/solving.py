@@ -17,7 +17,7 @@ from rsym.problems.conditions import given_by_name
 from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody
 from rsym.problems.elastic.result import ElasticSolution, in_equilibrium
 from rsym.problems.elastic.supports import EXAMPLES, as_support, vector
-from rsym.problems.places import rule_for
+from rsym.problems.places import rule_on
 from rsym.problems.refinement import refined
 from rsym.problems.solution import MORE_POINTS
 from rsym.problems.solving import checked_degree, lettered
@@ -100,10 +100,10 @@ def elasticity(
     )
     if cells is not None:
         whole(cells, "the cells", 1)
-        return in_equilibrium(body, rule_for(shape, cells, degree + MORE_POINTS), cells, degree)
+        return in_equilibrium(body, rule_on(shape, cells, degree + MORE_POINTS), cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[ElasticSolution, int, float]:
-        made = in_equilibrium(body, rule_for(shape, cells, degree + MORE_POINTS), cells, degree)
+        made = in_equilibrium(body, rule_on(shape, cells, degree + MORE_POINTS), cells, degree)
         return made, made.report.unknowns, _estimated(made)
 
     found, grades = refined(attempt, 2, degree, tolerance, progress)

@@ -11,7 +11,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.problems.splines.cardinals import digits
 
@@ -39,7 +39,7 @@ class WebSplines:
     counts: tuple[int, ...]
     degree: int
     active: Ints
-    inner: np.ndarray
+    inner: Flags
 
     @property
     def dimension(self) -> int:
@@ -72,6 +72,16 @@ class WebSplines:
         within = ((place >= 0) & (place < self.counts)).all(axis=1)
         flat = np.ravel_multi_index(tuple(np.where(within[:, None], place, 0).T), self.counts)
         return np.where(within, flat, -1)
+
+    def carried(self, points: Floats) -> Flags:
+        """Whether all splines of the cell of a point are active."""
+        cells = self.cell_of(points)
+        there = np.zeros(self.shape, np.bool_)
+        there.ravel()[self.active] = True
+        for axis in range(self.dimension):
+            windows = np.lib.stride_tricks.sliding_window_view(there, self.degree + 1, axis)
+            there = windows.all(axis=-1)
+        return there.ravel()[np.maximum(cells, 0)] & (cells >= 0)
 
     @cached_property
     def extension(self) -> sparse.csr_matrix:

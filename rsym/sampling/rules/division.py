@@ -17,7 +17,7 @@ from rsym.sampling.sharp.loops import loop
 
 INSIDE, OPEN, OUTSIDE = 1, 0, -1
 # A leaf may climb so steeply over the axes across, or any if its slope changes by this factor at most in the cell.
-STEEP, EVEN = 4.0, 2.0
+STEEP, EVEN = 3.0, 1.3
 FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a steep one
 MOST = 64  # parts of a cell left open at a level
 GRADED = 28  # levels of division towards a given point

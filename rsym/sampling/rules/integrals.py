@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.numbers import point
-from rsym.sampling.rules.quadrature import ORDER, BoundaryQuadrature, Quadrature, prepared
-from rsym.sampling.rules.refinement import Integral, refined
+from rsym.sampling.rules.quadrature import ORDER, RulePortion, prepared
+from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
 
 TOLERANCE = 1e-12
 INSIDE, BOUNDARY = "inside", "boundary"
@@ -37,7 +37,7 @@ def integrate(
 ) -> Integral:
     """The integral of a function over a shape, its boundary, or a part of the boundary.
 
-    Rules of `order` and of four points more are compared on the same cells, which are halved until both agree.
+    Rules of rising order are compared on the same cells, and cells are halved at last, until two rules agree.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ def integrate(
     Returns
     -------
     Integral
-        A float with `.error`, an estimate: the difference of the two rules.
+        A float with `.error`, an estimate: the difference of the last two rules, and rounding.
 
     Raises
     ------
@@ -83,31 +83,34 @@ def integrate(
     """
     require_shape(shape)
     made = prepared(shape, bounds, letters)
-    _check_part(over, made.parts)
+    leaves = _leaves(over, made.parts)
     function = _function(f, shape, letters)
 
-    def quantities(rule: Quadrature) -> tuple[Floats, Floats]:
-        where = _where(rule, over)
-        parts = where.weights * function(where.points)
-        scale = float(np.abs(parts).sum())
-        lost = rule.unresolved if over == INSIDE else rule.unresolved ** (1 - 1 / len(rule.grid.counts))
-        scale += lost * float(np.abs(function(where.points)).max(initial=0.0)) if lost else 0.0
-        return np.array([parts.sum()]), np.array([scale])
+    def quantities(portion: RulePortion) -> tuple[Floats, Floats]:
+        rule, lost = portion.rule, portion.unresolved
+        if over == INSIDE:
+            points, weights = rule.points, rule.weights
+        else:
+            some = leaves[rule.edge_leaf]
+            points, weights, lost = (
+                rule.edge_points[:, some],
+                rule.edge_weights[some],
+                lost ** (1 - 1 / len(rule.points)),
+            )
+        values = function(points.T)
+        size = np.abs(values).max(initial=0.0)
+        return np.array([weights @ values]), np.array([weights @ np.abs(values) + lost * size / ROUNDING])
 
     found = refined(made, quantities, tolerance=tolerance, cells=cells, order=order, near=near, threads=threads)
     return found.integral(0)
 
 
-def _check_part(over: str, parts: tuple[str, ...]) -> None:
+def _leaves(over: str, parts: tuple[str, ...]) -> Flags:
+    """Which leaves an integral over the boundary or a part of it takes."""
     if over not in (INSIDE, BOUNDARY, *parts):
         names = ", ".join(dict.fromkeys((INSIDE, BOUNDARY, *parts)))
         raise RsymError(f"no part {over!r} to integrate over", code="unknown-part", remedy=f"choose from {names}")
-
-
-def _where(rule: Quadrature, over: str) -> Quadrature | BoundaryQuadrature:
-    if over == INSIDE:
-        return rule
-    return rule.boundary if over == BOUNDARY else rule.boundary.of(over)
+    return np.array([over in (BOUNDARY, name) for name in parts], np.bool_)
 
 
 def _function(f: Any, shape: Shape, letters: Mapping[Any, float] | None) -> Callable[[Floats], Floats]:

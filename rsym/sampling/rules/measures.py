@@ -15,8 +15,8 @@ from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.numbers import measured
 from rsym.reports.render import Report
 from rsym.sampling.rules.integrals import TOLERANCE
-from rsym.sampling.rules.quadrature import ORDER, Quadrature, prepared
-from rsym.sampling.rules.refinement import Integral, refined
+from rsym.sampling.rules.quadrature import ORDER, RulePortion, prepared
+from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
 
 WORDS = {2: ("area", "length"), 3: ("volume", "surface")}
 
@@ -158,33 +158,52 @@ def measure(
     """
     made = prepared(shape, bounds, letters)
     names = tuple(dict.fromkeys(made.parts))
-    rows = [(i, j) for i in range(shape.dimension) for j in range(i, shape.dimension)]
+    number = np.array([names.index(name) for name in made.parts])
+    dimension = shape.dimension
+    rows = [(i, j) for i in range(dimension) for j in range(i, dimension)]
+    middle = np.array([[low / 2 + high / 2] for low, high in made.box])
 
-    def quantities(rule: Quadrature) -> tuple[Floats, Floats]:
-        content, boundary = rule.weights.sum(), rule.boundary.weights.sum()
-        parts = [rule.boundary.of(name).weights.sum() for name in names]
-        centroid = (rule.weights[:, None] * rule.points).sum(axis=0) / content
-        away = rule.points - centroid
-        moments = [(rule.weights * away[:, i] * away[:, j]).sum() for i, j in rows]
-        reach = float(np.abs(np.array(made.box)).max())
-        spread = float((rule.weights * (away**2).sum(axis=1)).sum())
-        lost = rule.unresolved ** (1 - 1 / shape.dimension)
-        values = np.array([content, boundary, *parts, *centroid, *moments])
-        edges, middles = [boundary + lost] * (1 + len(names)), [reach] * shape.dimension
-        return values, np.array([content + rule.unresolved, *edges, *middles, *[spread] * len(rows)])
+    def quantities(portion: RulePortion) -> tuple[Floats, Floats]:
+        rule, lost = portion.rule, portion.unresolved
+        away = rule.points - middle
+        parts = np.bincount(number[rule.edge_leaf], rule.edge_weights, len(names))
+        moments = [rule.weights @ (away[i] * away[j]) for i, j in rows]
+        values = np.array([rule.weights.sum(), parts.sum(), *parts, *(away @ rule.weights), *moments])
+        reach = float(np.abs(away).max(initial=0.0))
+        content, boundary = values[0] + lost / ROUNDING, values[1] + lost ** (1 - 1 / dimension) / ROUNDING
+        edges = [boundary] * (1 + len(names))
+        scales = [content, *edges, *[reach * content] * dimension, *[reach**2 * content] * len(rows)]
+        return values, np.array(scales)
 
     found = refined(made, quantities, tolerance=tolerance, cells=cells, order=order, threads=threads)
     first = 2 + len(names)
-    lengths = {name: found.integral(2 + k) for k, name in enumerate(names) if found.values[2 + k] > 0}
-    pairs = {pair: found.integral(first + shape.dimension + k) for k, pair in enumerate(rows)}
-    axes = range(shape.dimension)
+    lengths = {name: found.integral(2 + k) for k, name in enumerate(names) if found.sums[2 + k] > 0}
+    centres, moments = zip(
+        *(_central(sums, first, rows, middle.ravel()) for sums in (found.sums, found.before)), strict=True
+    )
+    reach = ROUNDING * float(np.abs(np.array(made.box)).max())
+    pairs = dict(zip(rows, _compared(*moments, ROUNDING * found.scales[-1]), strict=True))
+    axes = range(dimension)
     return MeasureReport(
         tuple(symbol.name for symbol in shape.coordinates),
         found.integral(0),
         found.integral(1),
         lengths,
-        tuple(found.integral(first + k) for k in axes),
+        _compared(*centres, reach),
         tuple(tuple(pairs[min(i, j), max(i, j)] for j in axes) for i in axes),
         found.cells,
-        found.rule.order,
+        found.order,
     )
+
+
+def _compared(values: Floats, before: Floats, slack: float) -> tuple[Integral, ...]:
+    """Values of two rules as integrals."""
+    return tuple(Integral(float(a), float(abs(a - b)) + slack) for a, b in zip(values, before, strict=True))
+
+
+def _central(sums: Floats, first: int, rows: list[tuple[int, int]], middle: Floats) -> tuple[Floats, Floats]:
+    """Centroid and second moments about it, from sums about the middle of the box."""
+    content, dimension = sums[0], len(middle)
+    away = sums[first : first + dimension] / content
+    moments = [sums[first + dimension + k] - content * away[i] * away[j] for k, (i, j) in enumerate(rows)]
+    return middle + away, np.array(moments)

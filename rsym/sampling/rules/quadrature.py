@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -219,31 +220,40 @@ class Prepared:
 
     def rule(self, cells: int, order: int, near: ArrayLike | None = None, threads: int | None = None) -> Quadrature:
         """The rule with so many cells along the longest side, and so many points along each direction of a cell."""
-        require_count("cells", cells, "the number of cells along the longest side, for example 32")
-        require_count("order", order, "the number of points along each direction of a cell, for example 8")
-        functions, dimension = self.functions, self.functions.dimension
-        grid, points = _grid(self.box, cells), _points(near, dimension)
-        every, size = np.arange(math.prod(grid.counts)), AT_ONCE[dimension]
-
-        def portion(first: int) -> tuple[CellRule, Ints, float]:
-            return _portion(functions, grid, every[first : first + size], order, points)
-
-        count = checked_threads(threads)
-        if count > 1 and len(every) > size:
-            made = list(lasting_threads("rsym-rules", count).map(portion, range(0, len(every), size)))
-        else:
-            made = [portion(first) for first in range(0, len(every), size)]
-        rule = rules_together([rule for rule, _, _ in made])
-        full = np.concatenate([full for _, full, _ in made])
-        _, gradient = functions.evaluate(rule.edge_leaf, rule.edge_points)
+        grid = self.grid(cells)
+        made = list(self.portions(grid, order, near, threads))
+        rule = rules_together([portion.rule for portion in made])
+        _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
         boundary = BoundaryQuadrature(
             rule.edge_points.T, rule.edge_weights, normals, rule.edge_leaf, rule.edge_owner, self.parts
         )
+        full = np.concatenate([portion.full for portion in made])
         touched = np.union1d(rule.owner, rule.edge_owner)
-        unresolved = sum(part for _, _, part in made)
+        unresolved = sum(portion.unresolved for portion in made)
         return Quadrature(
             rule.points.T, rule.weights, rule.owner, grid, full, touched, self.parts, boundary, order, unresolved
+        )
+
+    def grid(self, cells: int) -> CellGrid:
+        """Cubical cells, so many along the longest side."""
+        require_count("cells", cells, "the number of cells along the longest side, for example 32")
+        size = max(high - low for low, high in self.box) / cells
+        counts = tuple(max(1, math.ceil((high - low) / size - 1e-9)) for low, high in self.box)
+        return CellGrid(np.array([low for low, _ in self.box], float), size, counts)
+
+    def portions(
+        self, grid: CellGrid, order: int, near: ArrayLike | None, threads: int | None
+    ) -> Iterator[RulePortion]:
+        """The rule in some cells after the other; the portions depend on the grid alone."""
+        require_count("order", order, "the number of points along each direction of a cell, for example 8")
+        points = _points(near, self.functions.dimension)
+        every, size = np.arange(math.prod(grid.counts)), AT_ONCE[self.functions.dimension]
+        some = [every[first : first + size] for first in range(0, len(every), size)]
+        make = partial(_portion, self.functions, grid, order=order, near=points)
+        count = checked_threads(threads)
+        yield from (
+            lasting_threads("rsym-rules", count).map(make, some) if min(count, len(some)) > 1 else map(make, some)
         )
 
 
@@ -275,17 +285,17 @@ def _points(near: ArrayLike | None, dimension: int) -> Floats:
     return found.reshape(-1, dimension)
 
 
-def _grid(box: Bounds, cells: int) -> CellGrid:
-    sides = [high - low for low, high in box]
-    size = max(sides) / cells
-    counts = tuple(max(1, math.ceil(side / size - 1e-9)) for side in sides)
-    return CellGrid(np.array([low for low, _ in box], float), size, counts)
+@dataclass(frozen=True)
+class RulePortion:
+    """The rule in some cells, those of them that are full, and the measure of what is not resolved."""
+
+    rule: CellRule
+    full: Ints
+    unresolved: float
 
 
-def _portion(
-    functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, near: Floats
-) -> tuple[CellRule, Ints, float]:
-    """The rule in some cells, those that are full, and the measure of what is not resolved."""
+def _portion(functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, near: Floats) -> RulePortion:
+    """The rule in some cells."""
     lower, upper = grid.corners(cells)
     found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS[functions.dimension])
     rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
@@ -312,4 +322,4 @@ def _portion(
         plain = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
         rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
-    return rule, cells[full], unresolved
+    return RulePortion(rule, cells[full], unresolved)

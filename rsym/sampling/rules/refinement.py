@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats
 from rsym.errors import warn
-from rsym.sampling.rules.quadrature import Prepared, Quadrature
+from rsym.sampling.rules.quadrature import Prepared, RulePortion
 
-# What is asked of a rule: numbers, and beside each how large its parts are.
-Quantities: TypeAlias = Callable[[Quadrature], tuple[Floats, Floats]]
-CELLS = {2: 8, 3: 4}  # along the longest side at first
-MOST_POINTS = 2e7  # of the finer rule, for the shape fills its bounds at most
-MORE = 4  # points along each direction that the finer rule has more
+# What is asked of a part of a rule: sums, and the sums of the absolute values of what is added.
+Quantities: TypeAlias = Callable[[RulePortion], tuple[Floats, Floats]]
+CELLS = {2: 8, 3: 6}  # along the longest side at first
+ORDERS = 4  # points along each direction from one rule to the next
+HIGHEST = 20  # beyond, cells are halved instead
+MOST_POINTS = 3e7
 ROUNDING = 4 * np.finfo(np.float64).eps
 
 
@@ -51,16 +52,22 @@ class Integral(float):
 
 @dataclass(frozen=True)
 class Refined:
-    """Numbers with estimates of their errors, the finer rule they come from, and its cells along the longest side."""
+    """Sums by two rules, the better one first, and how large they can be; cells and order of the better one."""
 
-    values: Floats
-    errors: Floats
-    rule: Quadrature
+    sums: Floats
+    before: Floats
+    scales: Floats
     cells: int
+    order: int
+
+    @property
+    def errors(self) -> Floats:
+        """Of the sums."""
+        return np.abs(self.sums - self.before) + ROUNDING * self.scales
 
     def integral(self, number: int) -> Integral:
-        """A number with its error."""
-        return Integral(float(self.values[number]), float(self.errors[number]))
+        """A sum with its error."""
+        return Integral(float(self.sums[number]), float(self.errors[number]))
 
 
 def refined(
@@ -73,26 +80,34 @@ def refined(
     near: ArrayLike | None = None,
     threads: int | None = None,
 ) -> Refined:
-    """Numbers by rules of two orders on the same cells, which are halved until the numbers agree.
+    """Sums over rules of rising order, then on smaller cells, until two agree; what they leave open is warned of."""
 
-    The error is the difference of both, and rounding. Where more points than `MOST_POINTS` would be needed that is
-    warned of.
-    """
+    def summed() -> tuple[Floats, Floats, int]:
+        total, scale, points = np.zeros(1), np.zeros(1), 0
+        for portion in shape.portions(shape.grid(count), highest, near, threads):
+            value, size = quantities(portion)
+            total, scale = total + value, scale + size
+            points += len(portion.rule.weights)
+        return total, scale, points
+
     dimension = shape.functions.dimension
-    count = CELLS[dimension] if cells is None else cells
+    count, highest = CELLS[dimension] if cells is None else cells, order
+    sums, scales, points = summed()
     while True:
-        coarse, _ = quantities(shape.rule(count, order, near, threads))
-        rule = shape.rule(count, order + MORE, near, threads)
-        values, scales = quantities(rule)
-        errors = np.abs(values - coarse) + ROUNDING * scales
-        open_ones = errors > np.maximum(tolerance, 2 * ROUNDING) * scales
+        before = sums
+        if highest + ORDERS > max(HIGHEST, order + ORDERS):
+            count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
+        else:
+            highest += ORDERS
+        sums, scales, points = summed()
+        found = Refined(sums, before, scales, count, highest)
+        open_ones = found.errors > np.maximum(tolerance, 2 * ROUNDING) * scales
         if not open_ones.any():
-            return Refined(values, errors, rule, count)
-        if (2 * count * (order + MORE)) ** dimension > MOST_POINTS:
-            worst = float((errors / scales)[open_ones].max())
+            return found
+        if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS:
+            worst = float((found.errors / scales)[open_ones].max())
             warn(
-                f"an integral is known to a relative error of {worst:.1e} only, at {count} cells along the longest "
-                f"side: two rules differ by so much; points near= which it varies fast, or a larger order, may help"
+                f"an integral is known to a relative error of about {worst:.0e}: so much do rules of {points:.1e} "
+                "points differ; near= points where the function or the boundary varies fast may help"
             )
-            return Refined(values, errors, rule, count)
-        count *= 2
+            return found

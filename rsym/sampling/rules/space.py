@@ -142,10 +142,12 @@ class BaseFunctions:
         )
 
     def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
-        """Which functions may be zero somewhere in a part, but are not all along; without any it is whole."""
+        """Which functions may change their sign in a part; without any it is whole. To touch zero is not to change it.
+
+        A wall may stand at the end of a part in which it is positive.
+        """
         low, high = value
-        kept = (low <= self.tolerance) & (high >= -self.tolerance)
-        kept &= (low < -self.tolerance) | (high > self.tolerance)
+        kept = (low < np.where(self.walls[pieces.leaf], self.tolerance, -self.tolerance)) & (high > self.tolerance)
         some = np.bincount(pieces.piece[kept], minlength=len(pieces)) > 0
         return pieces.signs, np.where(some, OPEN, INSIDE), kept
 

@@ -1,0 +1,79 @@
+"""The closed curves that bound a shape in the plane, by the leaves that they are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import shape_form
+from rsym.model.shape import Shape
+from rsym.sampling.contours import level_lines
+from rsym.sampling.plane_leaves import leaves_of
+
+RESOLUTION = 256
+
+
+class BoundaryLoop(NamedTuple):
+    """A curve: its leaves, and whether it goes around a hole."""
+
+    leaves: tuple[int, ...]
+    hole: bool
+
+
+def loops_of(shape: Shape) -> tuple[BoundaryLoop, ...]:
+    """The curves of the boundary, as a lattice shows them.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> [(loop.leaves, loop.hole) for loop in loops_of(rsym.disc(1) - rsym.disc(0.5))]
+    [((0,), False), ((1,), True)]
+    """
+    lines = level_lines(shape, resolution=RESOLUTION)
+    leaves = leaves_of(shape, (0, 1), {})
+    found = []
+    for line in lines:
+        _, active = leaves.distance(np.asarray(line))
+        u, v = np.diff(line, axis=0).T
+        turned = float(np.sum(line[:-1, 0] * v - line[:-1, 1] * u))
+        found.append(BoundaryLoop(tuple(np.unique(active).tolist()), turned < 0))
+    return tuple(sorted(found, key=lambda loop: (loop.hole, loop.leaves)))
+
+
+def holes(shape: Shape, unknown: Collection[int]) -> tuple[tuple[int, ...], ...]:
+    """Leaves at unknown levels by the curves that they make up; in space each by itself.
+
+    Raises
+    ------
+    RsymError
+        For a curve that has other leaves too, for a leaf that makes up two curves.
+    """
+    if not unknown:
+        return ()
+    if shape.dimension != 2:
+        return tuple((leaf,) for leaf in unknown)
+    names: Mapping[int, str] = dict(enumerate(leaf_names(shape_form(shape), shape)))
+    found: list[tuple[int, ...]] = []
+    for loop in loops_of(shape):
+        level = [leaf for leaf in loop.leaves if leaf in unknown]
+        if level and len(level) < len(loop.leaves):
+            other = next(leaf for leaf in loop.leaves if leaf not in unknown)
+            raise RsymError(
+                f"{names[level[0]]} is at an unknown level, and {names[other]} goes on from it with another condition",
+                code="condition",
+                remedy="give rsym.constant() to all of a closed curve",
+            )
+        if level:
+            found.append(loop.leaves)
+    twice = {leaf for k, one in enumerate(found) for other in found[:k] for leaf in one if leaf in other}
+    if twice:
+        raise RsymError(
+            f"{names[min(twice)]} makes up several closed curves, each of which has a level of its own",
+            code="condition",
+            remedy="make each hole a part of its own",
+        )
+    return tuple(found)

@@ -1,0 +1,178 @@
+"""A boundary value problem as data, and the functions that its solution is made of, compiled when they are asked for.
+
+u = g + omega*phi + a*e: a lift g of the values on the boundary, the weight omega, a spline phi, and a few functions e
+beside: such as the one that is 1 on a hole at an unknown level, and those of corners.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
+from rsym.arrays import Floats
+from rsym.logic.sign_form import SignForm, shape_form
+from rsym.logic.weights import Joins, weight
+from rsym.model.equation import Equation
+from rsym.model.shape import Shape
+from rsym.problems.conditions import Name
+from rsym.problems.corners.places import corners_of
+from rsym.problems.corners.singular import SingularFunctions, singular_functions
+from rsym.problems.equations import EllipticEquation
+from rsym.problems.lifts import lift_of
+from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
+from rsym.problems.splines.cardinals import derivatives
+from rsym.program.lowering import lower
+
+VALUE, FLUX = "value", "flux"
+VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A shape, an equation, and a condition on each leaf of the shape.
+
+    named : the conditions by the names of parts.
+    conditions : in the order of the leaves of `shape_form`; None where nothing is said, so nothing flows.
+    axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
+    levels : the leaves of the parts at unknown levels, one part after the other.
+    flows : what flows into each of these parts, nothing by default.
+    corners : functions of corners.
+    """
+
+    shape: Shape
+    equation: EllipticEquation
+    named: Mapping[Name, BoundaryCondition]
+    conditions: tuple[BoundaryCondition | None, ...]
+    axis: int = -1
+    levels: tuple[tuple[int, ...], ...] = ()
+    flows: tuple[float, ...] = ()
+    corners: tuple[SingularFunctions, ...] = ()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was compiled on the way is made again."""
+        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
+
+    @property
+    def dimension(self) -> int:
+        """Of the shape."""
+        return len(self.shape.coordinates)
+
+    @cached_property
+    def form(self) -> SignForm:
+        """The sign form of the shape."""
+        return shape_form(self.shape)
+
+    def leaves(self, *kinds: type[BoundaryCondition]) -> tuple[int, ...]:
+        """The leaves with conditions of some kinds."""
+        return tuple(k for k, condition in enumerate(self.conditions) if isinstance(condition, kinds))
+
+    @property
+    def order(self) -> int:
+        """Of the highest derivatives that are integrated."""
+        return self.equation.order // 2
+
+    @cached_property
+    def weight_node(self) -> int:
+        """What vanishes where u is given, and twice where its slope is too."""
+        return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
+
+    def _vanishing(self, leaves: Collection[int]) -> int:
+        # With functions of their own at re-entrant corners, the others have bounded slopes there.
+        found = weight(self.form, leaves, joins=Joins(power=1 if self.corners else 0))
+        return self.form.builder.const(1) if found is None else found
+
+    def weight(self, order: int) -> PointFormulas:
+        """The derivatives of the weight up to an order."""
+        return self._with_derivatives("weight", order, lambda: {"": self.weight_node})
+
+    @cached_property
+    def lift_expression(self) -> sp.Expr:
+        """A function with the values of u on the boundary."""
+        return lift_of(self.shape, self.named)
+
+    def lift(self, order: int) -> PointFormulas | None:
+        """Its derivatives; None where it is 0."""
+        if self.lift_expression == 0:
+            return None
+        return self._with_derivatives("lift", order, lambda: {"": lower(self.form.builder, self.lift_expression)})
+
+    @cached_property
+    def extra_nodes(self) -> dict[str, int]:
+        """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where W, that of all others, is."""
+        b, found = self.form.builder, {}
+        for number, hole in enumerate(self.levels):
+            others = self._vanishing([leaf for leaf in self.leaves(*VALUED) if leaf not in hole])
+            found[f"level {number}"] = b.div(others, b.add(others, self._vanishing(hole)))
+        return found
+
+    @property
+    def extra_count(self) -> int:
+        """How many functions there are beside the splines: levels, then those of corners."""
+        return len(self.levels) + sum(len(corner.terms) for corner in self.corners)
+
+    def extras(self, points: Floats, order: int) -> Floats:
+        """Their derivatives (kinds, functions, n)."""
+        kinds = len(derivatives(self.dimension, order))
+        found = [np.zeros((kinds, 0, len(points)))]
+        if self.levels:
+            values = self._with_derivatives("extra", order, lambda: self.extra_nodes)(points)
+            found.append(values.reshape(len(self.levels), kinds, -1).transpose(1, 0, 2))
+        if self.corners:
+            used = sorted({leaf for one in self.corners for leaf in one.corner.leaves})
+            nodes = {f"leaf {leaf}": self.form.leaves[leaf] for leaf in used}
+            leaves = self._with_derivatives("leaves", order, lambda: nodes)(points).reshape(len(used), kinds, -1)
+            found += [one(points, leaves[[used.index(leaf) for leaf in one.corner.leaves]]) for one in self.corners]
+        return np.ascontiguousarray(np.concatenate(found, axis=1))
+
+    def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
+        """What was compiled is kept."""
+        if (name, order) not in self._made:
+            b = self.form.builder
+            found = with_derivatives(b, nodes(), b.coordinates, order)
+            self._made[name, order] = compiled(self.shape, b, found)
+        return self._made[name, order]
+
+    @cached_property
+    def _made(self) -> dict[tuple[str, int], PointFormulas]:
+        return {}
+
+    @cached_property
+    def coefficients(self) -> PointFormulas:
+        """The coefficients of the equation, in the order of `EllipticEquation.expressions`."""
+        return formulas(self.shape, self.equation.expressions, self.equation.functions)
+
+    def radius(self, points: Floats) -> Floats:
+        """What an integral about an axis is weighed by: the distance from it, 2 pi apart; else 1."""
+        if self.axis < 0:
+            return np.ones(len(points))
+        return np.abs(points[:, 1 - self.axis])
+
+
+def with_corners(problem: Problem) -> Problem:
+    """The same problem with functions for the corners of its shape, where there are some."""
+    diffusion = problem.equation.diffusion
+    alike = diffusion[0][0] == diffusion[-1][-1] and not any(
+        value for i, row in enumerate(diffusion) for j, value in enumerate(row) if i != j
+    )
+    if problem.dimension != 2 or problem.order != 1 or not alike or len(problem.form.leaves) < 2:
+        return problem
+    corners = corners_of(problem.shape)
+    points = np.array([corner.point for corner in corners]).reshape(-1, 2)
+    place = list(problem.equation.expressions).index("f")
+    loaded = (problem.coefficients(points)[place] != 0).tolist()
+    return replace(problem, corners=singular_functions(corners, problem.leaves(*VALUED), loaded))
+
+
+def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
+    """An expression, a shape or a Python function at points."""
+    if isinstance(value, Equation):
+        value = value.expression
+    if isinstance(value, sp.Basic):
+        return formulas(shape, {VALUE: value})(points)[0]
+    return values_of(FLUX, value, list(np.ascontiguousarray(points.T)))

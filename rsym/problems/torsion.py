@@ -1,0 +1,159 @@
+"""Saint-Venant's torsion: the rigidity and the stresses of twisted shafts, hollow ones too."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rsym.analysis.conditions import constant, dirichlet
+from rsym.errors import RsymError
+from rsym.model.requirements import require_shape
+from rsym.model.shape import Shape
+from rsym.problems.equations import equation_of
+from rsym.problems.loops import loops_of
+from rsym.problems.problem import Problem, with_corners
+from rsym.problems.refinement import Grade, refined
+from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved
+from rsym.problems.solving import checked_degree
+from rsym.sampling.progress import Progress
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Torsion:
+    """A shaft under torsion, for the shear modulus and the twist 1.
+
+    Attributes
+    ----------
+    solution : Solution
+        Prandtl's function, -laplacian(u) = 2, 0 on the outer boundary and level on each hole; its level lines are the
+        stress lines.
+    rigidity : float
+        J, the moment: twice the integral of u, and of each hole its level times twice its area.
+    levels, areas : tuples of float
+        Of the holes.
+    grades : tuple
+        The refinement; the estimate is the change of J from one degree less, as a share of it.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> shaft = rsym.torsion(rsym.disc(1) - rsym.disc(0.5), cells=16)
+    >>> round(float(shaft), 6), round(15 / 32 * 3.14159265359, 6)
+    (1.472622, 1.472622)
+    """
+
+    solution: Solution
+    rigidity: float
+    levels: tuple[float, ...]
+    areas: tuple[float, ...]
+    grades: tuple[Grade, ...] = ()
+
+    def __float__(self) -> float:
+        return self.rigidity
+
+    def __repr__(self) -> str:
+        return f"<Torsion of rigidity {self.rigidity:.10g}>"
+
+    def stress(self, *coordinates: ArrayLike) -> Any:
+        """The shear stresses (..., 2) at points, (u_y, -u_x)."""
+        slope = self.solution.gradient(*coordinates)
+        return np.stack([slope[..., 1], -slope[..., 0]], axis=-1)
+
+    def with_letters(self, values: Mapping[Any, float]) -> Torsion:
+        """The same for other letters, with the same cells and degree: nothing is compiled."""
+        report, problem = self.solution.report, self.solution.problem
+        other = replace(problem, shape=problem.shape.with_letters(values))
+        other = with_corners(other) if problem.corners else other
+        return _torsion(other, report.cells, report.degree)
+
+
+def torsion(
+    shape: Shape,
+    *,
+    degree: int = 4,
+    cells: int | None = None,
+    tolerance: float | None = None,
+    letters: Mapping[Any, float] | None = None,
+    corners: bool = True,
+    progress: Progress | None = None,
+) -> Torsion:
+    """The torsion of a shaft whose section is a shape in the plane.
+
+    Parameters
+    ----------
+    shape : Shape
+        The section; holes are found.
+    degree, cells, tolerance, letters, corners, progress
+        As in `solve`; the tolerance is a share of the rigidity.
+
+    Returns
+    -------
+    Torsion
+        Its ``rigidity`` is also its ``float()``: 0.1406 for the unit square.
+
+    Raises
+    ------
+    RsymError
+        For a shape in space, one of several pieces, a leaf that bounds several holes; as `solve`.
+
+    Source: A. Barre de Saint-Venant (1855); L. Prandtl (1903).
+
+    Examples
+    --------
+    >>> import rsym
+    >>> round(rsym.torsion(rsym.ellipse(2, 1), cells=8).rigidity, 9), round(8 * 3.14159265359 / 5, 9)
+    (5.026548246, 5.026548246)
+    """
+    require_shape(shape)
+    checked_degree(degree)
+    if shape.dimension != 2:
+        raise RsymError("torsion is of a section in the plane", code="dimension", remedy="give a shape of x and y")
+    problem = _problem(shape if letters is None else shape.with_letters(letters))
+    problem = with_corners(problem) if corners else problem
+    if cells is not None:
+        return _torsion(problem, cells, degree)
+
+    def attempt(cells: int, degree: int) -> tuple[Torsion, int, float]:
+        made, lower = (_torsion(problem, cells, p) for p in (degree, degree - 1))
+        return made, made.solution.report.unknowns, abs(1 - lower.rigidity / made.rigidity)
+
+    found, grades = refined(attempt, 2, degree, tolerance, progress)
+    return replace(found, grades=grades)
+
+
+def _problem(shape: Shape) -> Problem:
+    """Prandtl's problem, a level for each hole."""
+    loops = loops_of(shape)
+    outer, inner = [loop for loop in loops if not loop.hole], [loop.leaves for loop in loops if loop.hole]
+    if len(outer) != 1:
+        raise RsymError(
+            f"the section has {len(outer)} outer boundaries", code="pieces", remedy="give one piece at a time"
+        )
+    shared = [leaf for k, one in enumerate(inner) for leaf in one if any(leaf in other for other in inner[:k])]
+    if shared or any(leaf in outer[0].leaves for one in inner for leaf in one):
+        raise RsymError(
+            "one leaf makes up the boundaries of several holes, each of which has a level of its own",
+            code="condition",
+            remedy="make each hole a part of its own",
+        )
+    equation = equation_of("-laplacian(u) = 2", shape.coordinates)
+    made = Problem(shape, equation, {}, (), levels=tuple(inner))
+    level = {leaf for one in inner for leaf in one}
+    conditions = tuple(constant() if k in level else dirichlet(0) for k in range(len(made.form.leaves)))
+    return replace(made, conditions=conditions)
+
+
+def _torsion(problem: Problem, cells: int, degree: int) -> Torsion:
+    rule = rule_for(problem, cells, degree + MORE_POINTS)
+    boundary = rule.boundary
+    # The outward normals of the section point into its holes: Gauss.
+    around = np.sum(boundary.weights[:, None] * boundary.points * boundary.normals, axis=1) / 2
+    areas = tuple(float(-np.sum(around[np.isin(boundary.leaves, hole)])) for hole in problem.levels)
+    solution = solved(replace(problem, flows=tuple(2 * area for area in areas)), rule, cells, degree)
+    levels = tuple(float(one) for one in solution.others[: len(problem.levels)])
+    held = sum(level * area for level, area in zip(levels, areas, strict=True))
+    return Torsion(solution, 2 * (solution.integral() + held), levels, areas)

@@ -1,0 +1,66 @@
+"""Torsion against exact rigidities, hollow sections and letters; curves of boundaries."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import x, y
+from rsym.problems.loops import loops_of
+
+SQUARE = 0.14057701495515551  # of the unit square, by its series
+
+
+def test_the_series_of_the_square():
+    terms = (math.tanh((2 * k + 1) * math.pi / 2) / (2 * k + 1) ** 5 for k in range(2000))
+    assert abs((1 - 192 / math.pi**5 * sum(terms)) / 3 - SQUARE) < 1e-15
+
+
+def test_squares_wherever_they_lie():
+    square = rsym.rectangle(1, 1)
+    for shape, shares in ((square, (2e-6, 1e-7)), (square.rotate(0.3), (1e-5, 6e-7))):
+        for cells, share in zip((8, 16), shares, strict=True):
+            assert abs(rsym.torsion(shape, cells=cells).rigidity / SQUARE - 1) < share
+
+
+def test_a_hollow_shaft_and_its_stress():
+    shaft = rsym.torsion(rsym.disc(1) - rsym.disc(sp.Rational(1, 2)), tolerance=1e-9)
+    assert abs(float(shaft) / (15 / 32 * math.pi) - 1) < 1e-11
+    assert abs(shaft.levels[0] - 0.375) < 1e-11
+    np.testing.assert_allclose(shaft.stress(0.6, [0.3, -0.5]), [[-0.3, 0.6], [0.5, 0.6]], atol=1e-6)
+    assert shaft.grades[-1].estimate < 1e-9
+
+
+def test_confocal_ellipses_are_exact():
+    """Of the ellipses a, b and k*a, k*b the rigidity is pi a^3 b^3 (1 - k^4)/(a^2 + b^2)."""
+    tube = rsym.ellipse(2, 1) - rsym.ellipse(1, sp.Rational(1, 2))
+    exact = math.pi * 8 * (1 - 1 / 16) / 5
+    assert abs(float(rsym.torsion(tube, cells=20, degree=5)) / exact - 1) < 1e-6
+
+
+def test_letters_compile_nothing(monkeypatch):
+    d = sp.Symbol("d", real=True)
+    shaft = rsym.torsion(rsym.disc(1) - rsym.disc(d, letters={d: 0.5}), cells=16)
+    monkeypatch.setattr("rsym.backends.kernel.make_function", None)
+    for value in (0.4, 0.6):
+        exact = (1 - value**4) * math.pi / 2
+        assert abs(float(shaft.with_letters({"d": value})) / exact - 1) < 3e-7
+
+
+def test_curves_of_a_boundary():
+    slot = rsym.rectangle(sp.Rational(3, 10), 1).translate(0, 1)
+    loops = loops_of(rsym.disc(1) - slot - rsym.disc(sp.Rational(2, 5)))
+    assert [(len(loop.leaves), loop.hole) for loop in loops] == [(3, False), (1, True)]
+
+
+def test_what_is_no_section_of_one_shaft_is_refused():
+    with pytest.raises(rsym.RsymError, match="2 outer boundaries"):
+        rsym.torsion(rsym.disc(1) | rsym.disc(1, (3, 0)), cells=16)
+    two = rsym.Shape((x**2 - 1) ** 2 + y**2 - sp.Rational(1, 10), (x, y))
+    with pytest.raises(rsym.RsymError, match="several holes"):
+        rsym.torsion(rsym.disc(2) & two, cells=16)
+    half = rsym.disc(1).named("rim") & rsym.half_plane((1, 0), 0)
+    with pytest.raises(rsym.RsymError, match="all of a closed curve"):
+        rsym.solve(half, "-laplacian(u) = 1", {"rim": rsym.constant(), ...: 0}, cells=16)
