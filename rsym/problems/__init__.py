@@ -12,7 +12,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
   solution is made of
-- `galerkin`: the system of a problem; `refinement`: until its error is small; `printed`: a solution as an expression;
-  `solution`: what comes out
+- `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small;
+  `printed`: a solution as an expression; `solution`: what comes out
 - `solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane
 """

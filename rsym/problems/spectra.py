@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 from scipy import sparse
 
-from rsym.analysis.conditions import Dirichlet
+from rsym.analysis.conditions import Clamped, Dirichlet
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_parts
@@ -73,6 +73,7 @@ def modes(
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
+    poisson: float | None = None,
     corners: bool = True,
     progress: Progress | None = None,
 ) -> Spectrum:
@@ -90,8 +91,9 @@ def modes(
         m; of a mapping of names of parts that on these parts of the boundary, none inside: sloshing has
         ``{"surface": 1}``.
     equation : text or SymPy
-        Its operator is L; ``"bilaplacian(u) = 0"`` for plates.
-    degree, cells, tolerance, letters, axis, corners, progress
+        Its operator is L; ``"bilaplacian(u) = 0"`` for plates, with
+        conditions.
+    degree, cells, tolerance, letters, axis, poisson, corners, progress
         As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
 
     Raises
@@ -109,9 +111,8 @@ def modes(
     """
     whole(count, "the number of modes", 1)
     checked_degree(degree)
-    problem = problem_of(
-        shape, equation, 0 if conditions is None else conditions, letters=letters, axis=axis, single=False
-    )
+    given = 0 if conditions is None else conditions
+    problem = problem_of(shape, equation, given, letters=letters, axis=axis, poisson=poisson, single=False)
     problem = with_corners(problem) if corners else problem
     if problem.lift_expression != 0 or not problem.equation.symmetric:
         raise RsymError(
@@ -138,9 +139,9 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
     stiffness, masses = discrete.matrix, _masses(discrete, mass)
     if count >= stiffness.shape[0] - 1:
         raise RsymError(f"{count} modes of {stiffness.shape[0]} unknowns", code="cells", remedy="ask for more cells")
-    # Where constants are modes the stiffness alone has no factors.
+    # Where constants, or rigid motions of a plate, are modes the stiffness alone has no factors.
     grid = rule.grid
-    free = not problem.leaves(Dirichlet)
+    free = not problem.leaves(Dirichlet, Clamped)
     shift = -1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order if free else 0.0
     values, vectors = eigenpairs(stiffness, masses, count, shift)
     inner = discrete.splines.extension.shape[1]
