@@ -198,10 +198,12 @@ def structure_of(
             fixed.append(OnPart(_held(piece, coordinates, left), piece.weight))
             factor *= piece.factor ** (2 if isinstance(piece.condition, Clamped) else 1)
     lifted = inverse_distances(fixed, POWER) if fixed else sp.S.Zero
-    whole = lifted + factor * real_symbol(unknowns[0])
+    whole = lifted + factor * real_symbol("Phi_1")
     if robin:
-        corrected = _correction(pieces, whole, unknowns[0], coordinates)
-        whole += sp.Mul(factor, *(piece.factor**2 for piece in robin)) * real_symbol(unknowns[1]) - corrected
+        corrected = _correction(pieces, whole, "Phi_1", coordinates)
+        for piece in robin:
+            factor *= piece.factor**2
+        whole += factor * real_symbol("Phi_2") - corrected
     every = letters.merge(dict.fromkeys(levels, 0))
     return SolutionStructure(whole, unknowns, tuple(levels), coordinates, every, bounds)
 

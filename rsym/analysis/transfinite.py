@@ -66,7 +66,12 @@ def joined_weights(pieces: Sequence[OnPart], power: int) -> sp.Expr:
     if len(pieces) < 3:
         return plain
     weights = [piece.weight for piece in pieces]
-    others = [_joined([*weights[:k], *weights[k + 1 :]], power) ** power for k in range(len(pieces))]
+    # Joining is associative: of those after each part it is made from the last on, and shared.
+    after = [weights[-1]]
+    for weight in weights[-2:0:-1]:
+        after.insert(0, _joined([weight, after[0]], power))
+    joined = [_joined([*weights[:k], *after[k : k + 1]], power) for k in range(len(pieces))]
+    others = [one**power for one in joined]
     total = sp.Add(*others)
     blend = sp.Add(*(other * piece.function for other, piece in zip(others, pieces, strict=True)))
     # Where parts meet all of these weights vanish, and inverse distances know the limit.

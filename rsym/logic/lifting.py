@@ -45,10 +45,10 @@ def opened(form: SignForm) -> SignForm:
     return replace(sign_form(builder, made[-1]), parameters=form.parameters)
 
 
-def lifted(builder: Builder, number: int) -> int:
-    """A node of the same value to the bit, with choices on top of sums and multiples if it has many."""
+def lifted(builder: Builder, number: int, few: int = FEW) -> int:
+    """A node of the same value to the bit, with choices on top of sums and multiples if it has more than a few."""
     choices = sum(builder.nodes[part].operation in CHOICES for part in live(builder.nodes, [number]))
-    if choices <= FEW:
+    if choices <= few:
         return number
     lifting = _Lifting(builder, GROWTH * choices)
     found = number

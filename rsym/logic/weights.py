@@ -59,6 +59,7 @@ class Joins(NamedTuple):
 
 
 PRODUCT = Joins()
+MOST_FACTORS = 6  # the leaves of the car have values of hundreds
 
 
 def even(number: int) -> int:
@@ -139,20 +140,28 @@ class Weights:
 
     def __init__(self, shape: Shape, form: SignForm, order: int = 1, length: sp.Expr = sp.S.One) -> None:
         self.shape, self.form, self.order, self.length = shape, form, order, length
-        self.leaves = tuple(self._leaf(leaf) for leaf in form.leaves)
+        self._leaves, self._factors = zip(*map(self._normalised, form.leaves), strict=True)
 
     def of(self, wanted: Collection[int]) -> sp.Expr:
         """The weight of some leaves; 1 of none."""
-        node = weight(self.form, wanted, self.leaves, Joins(self.order))
+        return self._raised(wanted, self._leaves, Joins(self.order))
+
+    def factor(self, wanted: Collection[int]) -> sp.Expr:
+        """One as smooth as can be, not normalised: the product of leaves; of many, which would be huge, the weight."""
+        return self.of(wanted) if len(wanted) > MOST_FACTORS else self._raised(wanted, self._factors, PRODUCT)
+
+    def _raised(self, wanted: Collection[int], leaves: Sequence[int], joins: Joins) -> sp.Expr:
+        node = weight(self.form, wanted, leaves, joins)
         return sp.S.One if node is None else raised(self.form.builder.nodes, node)
 
-    def _leaf(self, leaf: int) -> int:
+    def _normalised(self, leaf: int) -> tuple[int, int]:
+        """A leaf normalised, and as a factor."""
         b = self.form.builder
         bare = self.shape.replace(expression=raised(b.nodes, leaf))
         speed = constant_speed(bare, self.order)
         if speed is not None:
-            return lower(b, bare.expression / speed)
-        return lower(b, normalise(bare, self.order, self.length, keep_sign=True).expression)
+            return (lower(b, bare.expression / speed),) * 2
+        return lower(b, normalise(bare, self.order, self.length, keep_sign=True).expression), leaf
 
 
 def constant_speed(shape: Shape, order: int = 1) -> sp.Expr | None:

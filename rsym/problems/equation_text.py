@@ -91,7 +91,8 @@ class EquationReader:
                 total: Any = terms[0]
                 for one in terms[1:]:
                     total = total.plus(one)
-                return total
+                summed: ScalarTerm | VectorTerm = total
+                return summed
             case Product():
                 return self._product(node, parts)
             case Call():

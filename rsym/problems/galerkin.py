@@ -21,6 +21,7 @@ from rsym.problems.plates import bending
 from rsym.problems.problem import Problem, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
+from rsym.problems.systems.cell_code import apply_forms, tested_loads
 from rsym.problems.systems.forms import Assembler, CellPoints, extended
 from rsym.sampling.rules.quadrature import Quadrature
 
@@ -68,7 +69,16 @@ class Discretisation:
 
     def extras(self, points: Floats) -> Floats:
         """The derivatives (kinds, functions, n) of the functions beside the splines."""
-        return self.problem.extras(points, self.problem.order)
+        key = hash(points.tobytes())
+        if key not in self._lately:
+            self._lately.clear()
+            self._lately[key] = self.problem.extras(points, self.problem.order)
+        return self._lately[key]
+
+    @cached_property
+    def _lately(self) -> dict[int, Floats]:
+        """The last that were asked for: they are asked for again."""
+        return {}
 
     # -- forms at points -------------------------------------------------------------------------------------------
 
@@ -139,7 +149,7 @@ class Discretisation:
         return tuple(found)
 
     def _conductivity(self, points: Floats) -> Floats:
-        """K of a diffusion k times the identity, at points."""
+        """The number k, at points, of a diffusion that is k times the identity."""
         problem = self.problem
         diffusion = problem.equation.diffusion
         n = range(problem.dimension)
@@ -149,7 +159,8 @@ class Discretisation:
                 code="condition",
                 remedy='"-div(k*grad(u)) = f" with a number or an expression k',
             )
-        return problem.coefficients(points)[0]
+        found: Floats = problem.coefficients(points)[0]
+        return found
 
     # -- the system ------------------------------------------------------------------------------------------------
 
@@ -161,7 +172,7 @@ class Discretisation:
         for where, weights, coefficient, _ in self.flux_parts:
             if len(weights) and coefficient.any():
                 own = own + self.assembler.matrix(where, at_values(weights * coefficient, self.kinds), self.tests)
-        return self._bordered(extended(self.splines, own), self._with_extras, symmetric)
+        return self._bordered(extended(self.splines, own), self._forms, symmetric)
 
     def mass(self, density: sp.Expr | Callable[..., Any] = sp.S.One) -> sparse.csr_matrix:
         """Of the products of functions."""
@@ -169,34 +180,32 @@ class Discretisation:
         form = at_values(values * self.problem.radius(self.rule.points), self.kinds)
         own = self.assembler.matrix(self.inside, form, self.tests)
 
-        def applied(given: Jets, count: int, form: Any = form) -> list[tuple[CellPoints, Any]]:
-            return [(self.inside, form)]
-
-        return self._bordered(extended(self.splines, own), applied, True)
+        return self._bordered(extended(self.splines, own), lambda: [(self.inside, form)], True)
 
     @cached_property
     def right(self) -> Floats:
         """Of the load, the fluxes and the lift."""
-        total = self._loads(self.inside, self.load_form)
+        total = self.loads(self.inside, self.load_form)
         for where, weights, _, flux in self.flux_parts:
             if len(weights) and flux.any():
-                total = total + self._loads(where, _single(weights * flux, self.kinds))
+                total = total + self.loads(where, single_load(weights * flux, self.kinds))
         lift = self.problem.lift(self.problem.order)
         if lift is not None:
-            for where, form in self._with_extras(lift, 1):
-                total = total - self._loads(where, _applied(form, lambda points: lift(points)[:, None]))
+            for where, form in self._forms():
+                total = total - self.loads(where, applied_form(form, lambda points: lift(points)[:, None]))
         for number, flow in enumerate(self.problem.flows):
             total[0, total.shape[1] - self.extra_count + number] += flow
-        return total[0]
+        right: Floats = total[0]
+        return right
 
-    def _with_extras(self, given: Jets, count: int) -> list[tuple[CellPoints, Any]]:
+    def _forms(self) -> list[tuple[CellPoints, Any]]:
         """The forms of the whole equation, with where they are integrated."""
         found: list[tuple[CellPoints, Any]] = [(self.inside, self.equation_form)]
         for where, weights, coefficient, _ in self.flux_parts:
             found.append((where, at_values(weights * coefficient, self.kinds)))
         return found
 
-    def _loads(self, where: CellPoints, load: Any, count: int = 1) -> Floats:
+    def loads(self, where: CellPoints, load: Any, count: int = 1) -> Floats:
         """The loads (count, functions) of inner splines, then of the others."""
         own = self.assembler.loads(where, load, self.tests, count) @ self.splines.extension
         if not self.extra_count:
@@ -204,7 +213,7 @@ class Discretisation:
         extra = np.zeros((count, self.extra_count))
         for chunk in where.chunks():
             points = where.points[chunk.points]
-            extra += np.einsum("kfn,nkc->cf", self.extras(points), load(chunk.points, points))
+            tested_loads(self.extras(points), load(chunk.points, points), extra)
         return np.concatenate((own, extra), axis=1)
 
     def _bordered(self, own: sparse.csr_matrix, forms: Any, symmetric: bool) -> sparse.csr_matrix:
@@ -214,10 +223,10 @@ class Discretisation:
             return own
         columns = np.zeros((own.shape[0] + count, count))
         rows = np.zeros((count, own.shape[0] + count))
-        for where, form in forms(self.extras, count):
-            columns += self._loads(where, _applied(form, self.extras), count).T
+        for where, form in forms():
+            columns += self.loads(where, applied_form(form, self.extras), count).T
             if not symmetric:
-                rows += self._loads(where, _applied(form, self.extras, transposed=True), count)
+                rows += self.loads(where, applied_form(form, self.extras, transposed=True), count)
         if symmetric:
             rows = columns.T
         n = own.shape[0]
@@ -239,7 +248,7 @@ def at_values(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
     return form
 
 
-def _single(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
+def single_load(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
     """The load weights*v."""
 
     def load(some: slice, points: Floats) -> Floats:
@@ -250,13 +259,16 @@ def _single(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
     return load
 
 
-def _applied(form: Any, given: Jets, *, transposed: bool = False) -> Callable[[slice, Floats], Floats]:
+def applied_form(form: Any, given: Jets, *, transposed: bool = False) -> Callable[[slice, Floats], Floats]:
     """The load that a form makes of given functions, whose derivatives are (kinds, functions, n)."""
 
     def load(some: slice, points: Floats) -> Floats:
         values = form(some, points)
         if transposed:
             values = values.transpose(0, 2, 1)
-        return np.ascontiguousarray(np.einsum("nkl,lcn->nkc", values, given(points)))
+        functions = np.ascontiguousarray(given(points))
+        found = np.empty((*values.shape[:2], functions.shape[1]))
+        apply_forms(np.ascontiguousarray(values), functions, found)
+        return found
 
     return load

@@ -11,7 +11,7 @@ from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet
 from rsym.analysis.transfinite import OnPart, inverse_distances, joined_weights, taylor
 from rsym.errors import RsymError
 from rsym.logic.weights import even
-from rsym.model.arguments import LetterMapping, positive, whole
+from rsym.model.arguments import LetterMapping, whole
 from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import symbols_of
@@ -29,7 +29,7 @@ def interpolate(
     order: int = 1,
     *,
     weights: str = "inverse",
-    length: Any = 1,
+    length: Any = None,
     letters: LetterMapping = None,
 ) -> Shape:
     """A function that has given values, and normal derivatives, on named parts of the boundary of a shape.
@@ -56,8 +56,9 @@ def interpolate(
     weights : "inverse" or "joined"
         Inverse distances, as above, or the shares o_i**k/(sum of o_j**k) where o_i, the joining of the weights of all
         parts but i, is (sum of w_j**-k over j other than i)**(-1/k). For up to two parts they are the same.
-    length : number or expression
-        That of `normalise`; w_i of what is no plane, sphere or circle tends to it far away.
+    length : number or expression, optional
+        That of `normalise`, to which w_i of what is no plane, sphere or circle tends far away; by default the power of
+        2 next to half the longest side of the bounds.
     letters : mapping, optional
         Of the data, ``{symbol or name: number or Letter}``.
 
@@ -72,8 +73,9 @@ def interpolate(
     ------
     RsymError
         ``unknown-part``; ``vanished-part`` for one that has nothing of the boundary; ``contradiction`` for values that
-        differ where two parts meet, with the place and both values, all where letters have their defaults; a shape
-        without bounds that goes on without end; data without a formula, or of more derivatives than the order.
+        differ where two parts meet, with the place and both values; ``singular-part`` for slopes where the gradient of
+        the formula is zero; all where letters have their defaults. A shape without bounds that goes on without end;
+        data without a formula, or of more derivatives than the order.
 
     Source: Rvachev, Sheiko, Shapiro and Tsukanov (2001); the Taylor form: Rvachev (1982).
 
@@ -102,8 +104,10 @@ def interpolate(
     parts = parts_of(known, slopes)
     parts.require_all()
     parts.require_agreement({name: given[0] for name, given in slopes.items() if name in parts.leaves})
-    found = parts.weights(degree, positive(length, "the length", known.letters))
-    pieces = [OnPart(taylor(w, shape.coordinates, slopes[name]), w) for name, w in found.items()]
+    found = parts.weights(degree, length)
+    weighed = {name: found.of(leaves) for name, leaves in parts.leaves.items()}
+    parts.require_slopes({name: w for name, w in weighed.items() if len(slopes[name]) > 1})
+    pieces = [OnPart(taylor(w, shape.coordinates, slopes[name]), w) for name, w in weighed.items()]
     u = BLENDS[weights](pieces, even(degree + 1))
     return Shape(u, shape.coordinates, letters=known.letters, bounds=parts.box)
 

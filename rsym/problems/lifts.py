@@ -9,11 +9,13 @@ import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
 from rsym.analysis.transfinite import OnPart, inverse_distances
+from rsym.logic.weights import weight
 from rsym.model.shape import Shape
 from rsym.model.symbols import symbols_of
 from rsym.problems.conditions import Name
 from rsym.problems.interpolation import interpolate
 from rsym.problems.parts import formula, parts_of
+from rsym.program.raising import raised
 
 
 def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Expr:
@@ -53,8 +55,10 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Ex
     parts = parts_of(shape, data)
     parts.require_all()
     parts.require_agreement({name: given[0] for name, given in data.items() if name in parts.leaves})
-    factors = parts.factors()
-    return inverse_distances([OnPart(data[name][0], factors[name]) for name in parts.leaves], 1)
+    nodes = {name: weight(parts.form, leaves) for name, leaves in parts.leaves.items()}
+    made = parts.form.builder.nodes
+    pieces = [OnPart(data[name][0], raised(made, node)) for name, node in nodes.items() if node is not None]
+    return inverse_distances(pieces, 1)
 
 
 def _expression(shape: Shape, value: Any, name: Name) -> sp.Expr:

@@ -48,7 +48,7 @@ class Places:
     >>> from rsym.logic.sign_form import shape_form
     >>> half = rsym.disc(2) & rsym.half_plane((1, 0), 0)
     >>> places = Places(half, shape_form(half), ((-3, 3), (-3, 3)), ((0,), (1,)))
-    >>> places.has(1), sorted(places.meeting(0, 1)[0].round(12).tolist())
+    >>> len(places.of(1)) > 0, sorted(places.meeting(0, 1)[0].round(12).tolist())
     (True, [[0.0, -2.0], [0.0, 2.0]])
     """
 
@@ -57,9 +57,10 @@ class Places:
     box: Bounds
     parts: tuple[tuple[int, ...], ...]
 
-    def has(self, part: int) -> bool:
-        """Whether a part, by its number, has a point within the box."""
-        return any(len(points) for points in self._search([part]))
+    def of(self, part: int) -> Floats:
+        """Some points (n, dim) of a part, by its number, within the box; none if it has none there."""
+        found = (points[:, :-1] for points in self._search([part]) if len(points))
+        return next(found, np.empty((0, self.shape.dimension)))
 
     def meeting(self, one: int, other: int) -> tuple[Floats, Floats]:
         """Points (n, dim) where two parts meet, and (n,) how far off they may be."""
@@ -92,14 +93,14 @@ class Places:
         """From depth to depth points (n, dim + 1) of all parts, how far off they may be last."""
         dimension = self.shape.dimension
         boxes, open_ = self._first
-        boxes = boxes[open_[list(parts)].all(axis=0)]
+        boxes = boxes[_where_all(open_, parts)]
         for _ in range(DEEPEST[dimension]):
             if not len(boxes) or len(boxes) > MOST:
                 break
             if len(parts) == 1:
                 yield self._points(parts, boxes[_spread(len(boxes), AT_A_GLANCE)])
             boxes, _ = halves(boxes)
-            boxes = boxes[self._open(boxes)[list(parts)].all(axis=0)]
+            boxes = boxes[_where_all(self._open(boxes), parts)]
         if len(boxes) > MOST:
             boxes = boxes[_spread(len(boxes), FEW)]
         yield self._points(parts, boxes)
@@ -158,6 +159,11 @@ class Places:
             good &= ((points >= lower - SLACK * self._size) & (points <= upper + SLACK * self._size)).all(axis=1)
         found: Floats = np.column_stack([points, doubt])[good]
         return found
+
+
+def _where_all(open_: Flags, parts: Sequence[int]) -> Flags:
+    """Which boxes may have points of all of some parts."""
+    return np.asarray(open_[list(parts)].all(axis=0))
 
 
 def _spread(count: int, most: int) -> Ints:

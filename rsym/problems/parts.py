@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,18 +16,18 @@ from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, shape_form
-from rsym.logic.weights import Weights, weight
-from rsym.model.arguments import number
+from rsym.logic.weights import Weights
+from rsym.model.arguments import number, positive
 from rsym.model.equation import Equation
 from rsym.model.letters import Letters
 from rsym.model.shape import Bounds, Shape
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.meetings import Places
-from rsym.program.raising import raised
 from rsym.sampling.extent import bounds_or_extent
 
 AGREEMENT = 1e-9  # of the size of data
 ASIDE, LOOSELY = 1e-8, 1e-3  # where data are undefined where they meet: of the box, and of their size
+UNIT = 1e-6  # how far the gradient of a normalised weight may be from 1 in length
 LATTICE = 5  # points along each axis that tell the size of data
 
 
@@ -46,12 +47,25 @@ class Parts:
     def require_all(self) -> None:
         """Refuse a part that has nothing of the boundary where letters have their defaults."""
         for k, name in enumerate(self.leaves):
-            if not self._places.has(k):
+            if not len(self._places.of(k)):
                 values = ", ".join(f"{title} = {float(one.default):g}" for title, one in self.shape.letters.items())
                 raise RsymError(
                     f"{_called(name)} has nothing of the boundary{values and f' where {values}'}",
                     code="vanished-part",
                     remedy="leave it out, or change the letters, the shape or its bounds so that it is there",
+                )
+
+    def require_slopes(self, weights: Mapping[Name, sp.Expr]) -> None:
+        """Refuse a part on which its weight is not normalised, for there the gradient of its formula is 0."""
+        for name, expression in weights.items():
+            points = self._places.of(list(self.leaves).index(name))
+            kernel = compile(self.shape.replace(expression=expression), ("gradient",), backend="numpy")
+            lengths = np.linalg.norm(kernel(*points.T)["gradient"], axis=1)
+            if not (np.abs(lengths - 1) < UNIT).any():
+                raise RsymError(
+                    f"{_called(name)} has no slopes: the gradient of its formula is zero or undefined on it",
+                    code="singular-part",
+                    remedy="give it a formula that changes its sign with a slope, or values alone",
                 )
 
     def require_agreement(self, data: Mapping[Name, sp.Expr]) -> None:
@@ -74,15 +88,13 @@ class Parts:
                     remedy="give data that agree where parts meet",
                 )
 
-    def weights(self, order: int, length: sp.Expr) -> dict[Name, sp.Expr]:
-        """Their weights, normalised to an order."""
-        found = Weights(self.shape, self.form, order, length)
-        return {name: found.of(leaves) for name, leaves in self.leaves.items()}
-
-    def factors(self) -> dict[Name, sp.Expr]:
-        """Their weights as products of leaves."""
-        made = {name: weight(self.form, leaves) for name, leaves in self.leaves.items()}
-        return {name: raised(self.form.builder.nodes, node) for name, node in made.items() if node is not None}
+    def weights(self, order: int, length: Any) -> Weights:
+        """What weighs them, normalised to an order with a length: by default the power of 2 next to half the box."""
+        if length is None:
+            unit = sp.Integer(2) ** round(math.log2(float(np.diff(self.box, axis=1).max()) / 2))
+        else:
+            unit = positive(length, "the length", self.shape.letters)
+        return Weights(self.shape, self.form, order, unit)
 
 
 def parts_of(shape: Shape, names: Iterable[Name]) -> Parts:

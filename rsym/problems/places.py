@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -12,6 +12,8 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
+from rsym.problems.conditions import Name, assigned
+from rsym.problems.problem import vanished
 from rsym.problems.splines.web import WebSplines
 from rsym.sampling.extent import extent
 from rsym.sampling.rules.quadrature import Quadrature, quadrature
@@ -20,15 +22,23 @@ from rsym.sampling.rules.quadrature import Quadrature, quadrature
 ON_BOUNDARY = 1e-12
 
 
-def rule_on(shape: Shape, cells: int, order: int, near: Sequence[Sequence[float]] = ()) -> Quadrature:
-    """The rule of integration of a problem on a shape, its cells graded towards some points."""
+def rule_on(
+    shape: Shape, names: Collection[Name], cells: int, order: int, near: Sequence[Sequence[float]] = ()
+) -> Quadrature:
+    """The rule of a problem with conditions on parts of these names, its cells graded towards some points."""
     box = shape.bounds
     with suppress(RsymError):
         found = extent(shape)
         # Bounds with room beside the shape would be cells without it.
         if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
             box = found
-    return quadrature(shape, cells=cells, order=order, bounds=box, near=near or None)
+    rule = quadrature(shape, cells=cells, order=order, bounds=box, near=near or None)
+    on_leaves = assigned(shape, list(names))
+    there = {on_leaves[leaf] for leaf in np.unique(rule.boundary.leaves) if leaf < len(on_leaves)}
+    for name in names:
+        if isinstance(name, str) and name not in there:
+            raise vanished(name)
+    return rule
 
 
 def inside(shape: Shape, splines: WebSplines, points: Floats) -> Flags:

@@ -16,10 +16,13 @@ import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
 from rsym.arrays import Floats
+from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_parts
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.logic.weights import Joins, weight
 from rsym.model.equation import Equation
 from rsym.model.shape import Shape
+from rsym.model.wording import listing, proposal
 from rsym.problems.conditions import Name
 from rsym.problems.corners.places import corners_of
 from rsym.problems.corners.singular import SingularFunctions, singular_functions
@@ -176,5 +179,32 @@ def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
     if isinstance(value, Equation):
         value = value.expression
     if isinstance(value, sp.Basic):
-        return formulas(shape, {VALUE: value})(points)[0]
-    return values_of(FLUX, value, list(np.ascontiguousarray(points.T)))
+        row: Floats = formulas(shape, {VALUE: value})(points)[0]
+        return row
+    found: Floats = values_of(FLUX, value, list(np.ascontiguousarray(points.T)))
+    return found
+
+
+def on_part(problem: Problem, leaves: Any, part: str) -> Any:
+    """Which of the points with these leaves lie on a part."""
+    names = leaf_parts(problem.form, problem.shape)
+    known = list(dict.fromkeys(name for one in names for name in one))
+    if part not in known:
+        raise RsymError(
+            f"no part {part!r} on the boundary; it has {listing(known)}",
+            code="unknown-part",
+            remedy=proposal(part, known, "use one of these"),
+        )
+    found = np.isin(leaves, [leaf for leaf, one in enumerate(names) if part in one])
+    if not found.any():
+        raise vanished(part)
+    return found
+
+
+def vanished(part: str) -> RsymError:
+    """The error for a part that the boundary has nothing of."""
+    return RsymError(
+        f"the part {part!r} has nothing of the boundary",
+        code="vanished-part",
+        remedy="leave it out, or change the letters, the shape or its bounds so that it is there",
+    )

@@ -13,14 +13,12 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_parts
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
-from rsym.model.wording import listing, proposal
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, with_corners
+from rsym.problems.problem import Problem, on_part, with_corners
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -234,15 +232,7 @@ class Solution:
         boundary, problem = self.rule.boundary, self.problem
         on = np.ones(len(boundary.weights), np.bool_)
         if part is not None:
-            names = leaf_parts(problem.form, problem.shape)
-            known = list(dict.fromkeys(name for one in names for name in one))
-            if part not in known:
-                raise RsymError(
-                    f"no part {part!r} on the boundary; it has {listing(known)}",
-                    code="unknown-part",
-                    remedy=proposal(part, known, "use one of these"),
-                )
-            on = np.isin(boundary.leaves, [leaf for leaf, one in enumerate(names) if part in one])
+            on = on_part(problem, boundary.leaves, part)
         points = np.ascontiguousarray(boundary.points[on])
         dimension = problem.dimension
         diffusion = problem.coefficients(points)[: dimension * dimension].reshape(dimension, dimension, -1)
@@ -324,7 +314,7 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
-    return rule_on(problem.shape, cells, order, [one.corner.point for one in problem.corners])
+    return rule_on(problem.shape, problem.named, cells, order, [one.corner.point for one in problem.corners])
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:

@@ -5,16 +5,15 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
-from rsym.analysis.conditions import BoundaryCondition, Robin, UnknownLevel
+from rsym.analysis.conditions import BoundaryCondition, Clamped, Robin, UnknownLevel
 from rsym.analysis.structures import Conditioned, SolutionStructure, structure_of
-from rsym.model.arguments import positive
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, given_by_name
 from rsym.problems.parts import formula, parts_of
 
 
-def solution_structure(shape: Shape, conditions: Any, *, length: Any = 1) -> SolutionStructure:
+def solution_structure(shape: Shape, conditions: Any, *, length: Any = None) -> SolutionStructure:
     """A function with undetermined functions in it that meets boundary conditions whatever these are.
 
     For one part with its weight w, normalised to order 1 and positive inside, n the outward normal:
@@ -34,8 +33,8 @@ def solution_structure(shape: Shape, conditions: Any, *, length: Any = 1) -> Sol
         Names of parts to `dirichlet` (or a bare value), `neumann`, `robin`, `clamped`, `constant` or `supported`,
         ``...`` for the rest. Of a supported part the value is met; its moment is a natural condition of energies. A
         part at an unknown level gets a letter, ``C_1``. A part of which nothing is said is met by no condition.
-    length : number or expression
-        That of `normalise`; w of what is no plane, sphere or circle tends to it far away.
+    length : number or expression, optional
+        That of `normalise`, as for `interpolate`.
 
     Returns
     -------
@@ -84,7 +83,6 @@ def solution_structure(shape: Shape, conditions: Any, *, length: Any = 1) -> Sol
     True
     """
     require_shape(shape)
-    unit = positive(length, "the length", shape.letters)
     given: dict[Name, BoundaryCondition] = {}
     letters = shape.letters
     for name, condition in given_by_name(shape, conditions).items():
@@ -99,6 +97,12 @@ def solution_structure(shape: Shape, conditions: Any, *, length: Any = 1) -> Sol
     parts.require_agreement(
         {name: given[name].values[0] for name in parts.leaves if not isinstance(given[name], Robin | UnknownLevel)}
     )
-    weights, factors = parts.weights(1, unit), parts.factors()
-    pieces = [Conditioned(given[name], weights[name], factors[name]) for name in parts.leaves]
-    return structure_of(pieces, shape.coordinates, letters, parts.box)
+    weights = parts.weights(1, length)
+    pieces = {
+        name: Conditioned(given[name], weights.of(leaves), weights.factor(leaves))
+        for name, leaves in parts.leaves.items()
+    }
+    parts.require_slopes(
+        {name: one.weight for name, one in pieces.items() if isinstance(one.condition, Robin | Clamped)}
+    )
+    return structure_of(list(pieces.values()), shape.coordinates, letters, parts.box)

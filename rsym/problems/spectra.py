@@ -13,12 +13,10 @@ from scipy import sparse
 from rsym.analysis.conditions import Clamped, Dirichlet
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_parts
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
-from rsym.model.wording import listing, proposal
 from rsym.problems.galerkin import Discretisation, at_values
-from rsym.problems.problem import Problem, value_at, with_corners
+from rsym.problems.problem import Problem, on_part, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
 from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
 from rsym.problems.solving import checked_degree, problem_of
@@ -179,18 +177,10 @@ def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
     shape = discrete.problem.shape
     if not isinstance(mass, Mapping):
         return discrete.mass(mass if callable(mass) or isinstance(mass, Shape) else sp.sympify(mass, strict=True))
-    names = leaf_parts(discrete.problem.form, shape)
-    known = list(dict.fromkeys(name for one in names for name in one))
     boundary = discrete.rule.boundary
     total = 0
     for part, density in mass.items():
-        if part not in known:
-            raise RsymError(
-                f"no part {part!r} on the boundary; it has {listing(known)}",
-                code="unknown-part",
-                remedy=proposal(part, known, "use one of these"),
-            )
-        on = np.isin(boundary.leaves, [leaf for leaf, one in enumerate(names) if part in one])
+        on = on_part(discrete.problem, boundary.leaves, part)
         where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
         value = density if callable(density) else sp.sympify(density, strict=True)
         weights = boundary.weights[on] * discrete.problem.radius(where.points) * value_at(shape, value, where.points)

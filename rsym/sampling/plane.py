@@ -137,7 +137,8 @@ class PlaneSampler:
         coordinates[self.free[0]], coordinates[self.free[1]] = u, v
         for position, value in self.fixed.items():
             coordinates[position] = value
-        return self.kernel(*coordinates, letters=self.letters)
+        found: dict[str, NDArray[Any]] = self.kernel(*coordinates, letters=self.letters)
+        return found
 
 
 def plane_sampler(
@@ -157,28 +158,26 @@ def plane_sampler(
     where the caller cannot be.
     """
     checked_scalar(field)
-    given = None
-    if isinstance(shape, GivenField):
+    on, given = (shape.shape, shape.sampled) if isinstance(shape, GivenField) else (shape, None)
+    if given is not None:
         if field != "value":
-            raise RsymError(
-                f"of a solution the value is drawn, not {field!r}", code="unknown-field", remedy="leave it out"
-            )
+            raise RsymError(f"a solution is drawn itself, not its {field}", code="unknown-field", remedy="leave it out")
         if letters:
             raise RsymError(
                 "a solution is one for its letters", code="letters", remedy="draw solution.with_letters({...})"
             )
-        shape, given, field = shape.shape, shape.sampled, GIVEN
+        field = GIVEN
     if field == "curvature" and section:
-        shape, bounds = plane_section(shape, section, bounds)
+        on, bounds = plane_section(on, section, bounds)
         section = None
-    names = [symbol.name for symbol in shape.coordinates]
+    names = [symbol.name for symbol in on.coordinates]
     fixed = fixed_coordinates(names, section)
     free = _free_coordinates(names, fixed)
-    box, lattice = _lattice_of_view(shape, free, resolution, bounds, letters)
+    box, lattice = _lattice_of_view(on, free, resolution, bounds, letters)
     replace(SAMPLES, memory=held * SAMPLES.memory, time=held * SAMPLES.time).check(
         resolution, lattice.counts, force=force
     )
-    return PlaneSampler(shape, field, lattice, free, fixed, letters, box, given)
+    return PlaneSampler(on, field, lattice, free, fixed, letters, box, given)
 
 
 @recently(16)

@@ -78,6 +78,13 @@ def test_derivatives_below_the_power_are_those_of_the_function_of_the_part(power
 def test_parts_in_any_number_are_no_longer_than_their_square():
     pieces = [OnPart(sp.Integer(k), x - k) for k in range(20)]
     assert len(sp.sstr(inverse_distances(pieces, 2))) < 20 * 20 * 60
+    assert len(sp.sstr(joined_weights(pieces, 2))) < 20 * 20 * 160
+
+
+@pytest.mark.parametrize("blend", BLENDS)
+def test_programs_grow_with_the_number_of_parts(blend):
+    sizes = [len(kernel(blend([OnPart(sp.sin(k * y), x - k) for k in range(n)], 2)).program) for n in (8, 16, 32)]
+    assert sizes[2] - sizes[1] < 2.1 * (sizes[1] - sizes[0])
 
 
 SLOPES = [sp.sin(x + 3 * y), x * y, 2 * x - 1, x + 4]

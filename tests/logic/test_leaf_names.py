@@ -8,7 +8,7 @@ import sympy as sp
 import rsym
 from rsym import RsymError, Shape, x, y, z
 from rsym.logic import leaf_names as naming
-from rsym.logic.leaf_names import leaf_names
+from rsym.logic.leaf_names import leaf_names, leaf_parts
 from rsym.logic.sign_form import surface_form
 
 SPACE = (x, y, z)
@@ -45,6 +45,9 @@ def test_the_smallest_part_names_a_leaf_and_of_equal_ones_the_first():
     body = (ball & Shape(x - y, SPACE)).named("half")
     assert names(body | slab) == ("ball", "half", "slab")
     assert names((body.named("other") | slab.named("plate")) - body) == ("ball", "other", "plate", "ball", "other")
+    late = (Shape(x, SPACE) & Shape(y, SPACE)).named("both") | Shape(x, SPACE).named("one")  # named after the larger
+    assert names(late) == ("one", "both")
+    assert leaf_parts(surface_form(late), late) == (("one", "both"), ("both",))
     twins = Shape(x, SPACE).named("one") | Shape(2 * x, SPACE).named("two")
     assert names(twins) == ("one",)
 

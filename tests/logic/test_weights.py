@@ -144,5 +144,36 @@ def test_weights_are_normalised_off_corners(order):
         assert errors[1] < 1.3 * errors[0] / 4 ** (order + 1) + 1e-14
 
 
+@pytest.mark.parametrize("joins", [PRODUCT, Joins(1)], ids=str)
+def test_of_an_exclusive_or_both_sides_of_a_leaf_are_the_part(joins):
+    """The circle bounds it from within and from without; lens and crescents on circles of their own."""
+    one, other = rsym.disc(1), rsym.disc(1, (1, 0))
+    shape = one ^ other
+    form = shape_form(shape)
+    first = [k for k, leaf in enumerate(form.leaves) if raised(form.builder.nodes, leaf).subs({x: -1, y: 0}) == 0]
+    assert len(first) == 2
+    angles = np.linspace(0.01, 6.27, 200)
+    circles = [np.stack([np.cos(angles) + shift, np.sin(angles)], axis=1) for shift in (0, 1)]
+    node = [weight(form, first, joins=joins)]
+    on_first, on_second = (values(shape, (form, node), points)[0] for points in circles)
+    assert np.abs(on_first).max() < 1e-14
+    corner = np.abs(circles[1][:, 0] - 0.5) < 0.01
+    assert on_second[~corner].min() > 1e-6
+    inside = np.random.default_rng(2).uniform(-1, 2, (500, 2))
+    inside = inside[shape.contains(*inside.T)]
+    assert values(shape, (form, node), inside)[0].min() > 0
+
+
+def test_a_factor_is_the_product_of_few_leaves_and_the_weight_of_many():
+    row = rsym.disc(9)
+    for k in range(7):
+        row = row - rsym.ellipse(0.2, 0.1, centre=(k, 0))
+    found = Weights(row, shape_form(row))
+    assert found.factor([0]) == found.of([0])
+    leaves = [raised(found.form.builder.nodes, leaf) for leaf in found.form.leaves]
+    assert sp.expand(found.factor([1, 2]) - leaves[1] * leaves[2]) == 0
+    assert found.factor(range(1, 8)) == found.of(range(1, 8))
+
+
 def test_even_numbers():
     assert [even(k) for k in range(4)] == [0, 2, 2, 4]

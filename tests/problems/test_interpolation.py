@@ -54,7 +54,7 @@ def misses(shape, data, **how):
         (TORUS, {"torus": (x, y), "dent": (x, 1)}),
     ],
 )
-@pytest.mark.parametrize("weights", ["inverse", "joined"])
+@pytest.mark.parametrize("weights", ["inverse", pytest.param("joined", marks=pytest.mark.slow)])
 def test_values_and_slopes_are_met(shape, data, weights):
     assert misses(shape, data, weights=weights) < 2e-13
 
@@ -121,6 +121,16 @@ def test_how_large_the_formula_of_a_part_is_does_not_matter():
     assert abs(rsym.compile(rsym.interpolate(large, {"rim": x, "bore": 1}))(*point)["value"] - plain) < 1e-13
 
 
+def test_how_large_the_shape_is_does_not_matter():
+    at = 0.9, -0.4
+    values = []
+    for size in (1, 1024, sp.Rational(1, 1024)):
+        shape = rsym.ellipse(2, 1).named("rim") - rsym.ellipse(0.5, 0.25).named("bore")
+        u = rsym.interpolate(shape.scale(size), {"rim": x / size, "bore": (1, 3 / size)})
+        values.append(float(rsym.compile(u)(*(float(size) * one for one in at))["value"]))
+    assert np.ptp(values) < 1e-12
+
+
 def test_it_is_a_shape_in_the_bounds_of_the_shape():
     u = rsym.interpolate(RING.replace(bounds=((-3, 3), (-2, 4))), {"rim": x, "bore": 0})
     assert u.bounds == ((-3, 3), (-2, 4))
@@ -173,6 +183,37 @@ def test_parts_that_vanish_are_refused():
     with pytest.raises(rsym.RsymError, match=r"the part 'bite' has nothing of the boundary where r = 0.5") as raised:
         rsym.interpolate(shape.with_letters({"r": 0.5}), {"bite": 1})
     assert raised.value.code == "vanished-part"
+
+
+def test_slopes_where_a_formula_has_none_are_refused():
+    circle = 1 - x**2 - y**2
+    flat = rsym.Shape(circle * sp.Abs(circle), (x, y), bounds=((-2, 2), (-2, 2))).named("flat")
+    assert rsym.interpolate(flat, {"flat": x}).expression == x
+    for question in (
+        lambda: rsym.interpolate(flat, {"flat": (x, 1)}),
+        lambda: rsym.solution_structure(flat, rsym.robin(1)),
+    ):
+        with pytest.raises(rsym.RsymError, match="has no slopes") as raised:
+            question()
+        assert raised.value.code == "singular-part"
+    cubed = rsym.Shape(circle**3, (x, y), bounds=((-2, 2), (-2, 2))).named("cubed")  # its leaf is the root
+    assert misses(cubed, {"cubed": (x, y)}) < 1e-14
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        rsym.Shape(sp.exp(1 - x**2 - y**2) - 1, (x, y), bounds=((-2, 2), (-2, 2))),
+        rsym.conjunction(rsym.disc(1), rsym.half_plane((1, 0), 0), system=rsym.Rho(0.2)),
+        rsym.conjunction(rsym.disc(1), rsym.half_plane((1, 0), 0), system=rsym.Sardf()),
+        rsym.offset(rsym.rectangle(2, 1), 0.3),
+        rsym.superellipse(2, 1, 4),
+        rsym.polygon([(0, 0), (2, 0), (2, 2), (1, 0.5), (0, 2)]),
+    ],
+    ids=["exponential", "fillet", "Sardf", "offset", "superellipse", "polygon"],
+)
+def test_whatever_the_shape_is_made_of(shape):
+    assert misses(shape.named("all"), {"all": (x, y)}) < 2e-14
 
 
 @pytest.mark.parametrize(

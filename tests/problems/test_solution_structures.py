@@ -1,6 +1,7 @@
 """Structures on shapes meet their conditions at a thousand points of the boundary, whatever stands in them."""
 
 import os
+import pickle
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ RING = rsym.disc(2).named("rim") - rsym.disc(1).named("bore")
 HALF = rsym.disc(2).named("rim") & rsym.half_plane((1, 0), 0).named("cut")
 OVAL = rsym.ellipse(2, 1).named("oval") & rsym.half_plane((1, 2), -1).named("cut")
 ELL = rsym.rectangle(2, 1).named("long") | rsym.rectangle(1, 2).named("high")
+SQUARE = rsym.rectangle(2, 2).named("sides") & rsym.half_plane((1, 1), 0).named("cut")  # a line through corners
 PLATE = rsym.rectangle(4, 3).named("edge") - rsym.disc(1, (0.4, 0.2)).named("hole")
 TORUS = rsym.torus(2, 0.5).named("torus") - rsym.sphere(1, (2, 0, 0)).named("dent")
 
@@ -60,6 +62,8 @@ CONDITIONS = [
     (OVAL, {"oval": rsym.dirichlet(1), "cut": rsym.robin(5, y)}),
     (OVAL, {"oval": rsym.clamped(x, y), "cut": rsym.neumann(0)}),
     (ELL, {"long": rsym.robin(1, x), "high": rsym.dirichlet(x - y)}),
+    (SQUARE, {"sides": rsym.robin(1, x), "cut": rsym.dirichlet(x * y)}),
+    (SQUARE, {"sides": rsym.dirichlet(x * y), "cut": rsym.robin(x, 3)}),
     (PLATE, {"edge": rsym.robin(1, x), "hole": rsym.neumann(y)}),
     (PLATE, {"edge": rsym.supported(x), "hole": rsym.robin(2, y)}),
     (TORUS, {"torus": rsym.robin(2, z), "dent": rsym.dirichlet(x)}),
@@ -93,6 +97,20 @@ def test_letters_live_in_shape_and_conditions():
         assert max(residuals(shape, given, [sp.exp(x), x * y], letters).values()) < 1e-13
 
 
+def test_in_float32_they_are_met_to_its_rounding():
+    u = rsym.solution_structure(HALF, {"rim": rsym.robin(1, y), "cut": y**2}).with_functions(sp.exp(x), x * y)
+    found = rsym.sample(HALF, 500, over="rim", rng=1)
+    at = rsym.compile(u, ("value", "gradient"), dtype="float32")(*found.points.T)
+    assert np.isfinite(at["gradient"]).all()
+    gap = np.einsum("ij,ij->i", at["gradient"], found.normals) + at["value"] - found.points[:, 1]
+    assert np.abs(gap).max() < 1e-3
+
+
+def test_they_travel():
+    structure = rsym.solution_structure(HALF, {"rim": rsym.robin(1, y), "cut": y**2})
+    assert pickle.loads(pickle.dumps(structure)) == structure
+
+
 def test_a_hole_at_an_unknown_level():
     structure = rsym.solution_structure(PLATE, {"edge": 0, "hole": rsym.constant()})
     assert structure.constants == ("C_1",)
@@ -108,6 +126,11 @@ def test_a_hole_at_an_unknown_level():
 def test_at_corners_values_are_those_of_the_conditions():
     u = rsym.solution_structure(HALF, {"rim": rsym.robin(1, y), "cut": 4 - y}).with_functions(sp.exp(x), y)
     assert rsym.compile(u)([0.0, 0.0], [2.0, -2.0])["value"].tolist() == [2, 6]
+    # Within a part with slopes, which has no normal there, the value is that of what is undetermined.
+    u = rsym.solution_structure(SQUARE, {"sides": rsym.robin(1, y), "cut": x * y}).with_functions(3, x)
+    assert abs(rsym.compile(u)(1.0, 1.0)["value"] - (1 + 3 * 2**0.5)) < 1e-14
+    u = rsym.solution_structure(SQUARE, {"sides": rsym.clamped(x, y)}).with_functions(3)
+    assert rsym.compile(u)(1.0, 1.0)["value"] == 1
 
 
 def test_one_condition_all_over_and_parts_of_which_nothing_is_said():

@@ -235,3 +235,10 @@ def test_it_is_drawn():
     assert np.abs(np.hypot(*line.T) - 0.5).max() < 1e-3
     with pytest.raises(rsym.RsymError, match="with_letters"):
         rsym.plot_field(found, letters={"a": 1})
+
+
+def test_a_part_that_has_vanished_is_refused():
+    square = rsym.rectangle(2, 2) & rsym.half_plane((1, 0), -2).named("far")
+    with pytest.raises(rsym.RsymError, match="'far' has nothing of the boundary") as raised:
+        rsym.solve(square, "-laplacian(u) = 1", {"far": rsym.neumann(1), ...: 0}, cells=8)
+    assert raised.value.code == "vanished-part"

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -80,10 +81,10 @@ class SingularFunctions:
             yield found
 
 
-def _angular(kind: str, exponent: float, p: Floats, q: Floats, z: Floats, log: Floats, order: int) -> list[Floats]:
+def _angular(kind: str, exponent: float, p: Floats, q: Floats, z: Any, log: Any, order: int) -> list[Floats]:
     """The derivatives of Im z**e, of Re z**e, or of that with a logarithm: harmonic, but for -q**2/2 in the last."""
     if kind == "log":
-        first = [-z * z * log / math.pi, -(2 * z * log + z) / math.pi, -(2 * log + 3) / math.pi]
+        first: list[Any] = [-z * z * log / math.pi, -(2 * z * log + z) / math.pi, -(2 * log + 3) / math.pi]
     else:
         power = np.exp(exponent * log) * (1j if kind == "cos" else 1)
         slope = exponent * power / z

@@ -91,7 +91,7 @@ class ElasticSolution:
     @cached_property
     def rule(self) -> Quadrature:
         """The rule of integration that it was found with."""
-        return rule_on(self.shape, self.report.cells, self.order)
+        return rule_on(self.shape, self.body.named, self.report.cells, self.order)
 
     def jets(self, points: Floats) -> Floats:
         """The values and gradients (2, 3, n) of both displacements at points (n, 2), whether inside or not."""
@@ -181,7 +181,7 @@ class ElasticSolution:
     def with_letters(self, values: Mapping[Any, float]) -> ElasticSolution:
         """The same body for other letters, with the same cells and degree: new matrices, nothing compiled."""
         body = replace(self.body, shape=self.shape.with_letters(values))
-        rule = rule_on(body.shape, self.report.cells, self.order)
+        rule = rule_on(body.shape, body.named, self.report.cells, self.order)
         return in_equilibrium(body, rule, self.report.cells, self.report.degree)
 
 

@@ -100,10 +100,10 @@ def elasticity(
     )
     if cells is not None:
         whole(cells, "the cells", 1)
-        return in_equilibrium(body, rule_on(shape, cells, degree + MORE_POINTS), cells, degree)
+        return in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[ElasticSolution, int, float]:
-        made = in_equilibrium(body, rule_on(shape, cells, degree + MORE_POINTS), cells, degree)
+        made = in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
         return made, made.report.unknowns, _estimated(made)
 
     found, grades = refined(attempt, 2, degree, tolerance, progress)

@@ -14,7 +14,8 @@ from rsym.problems.splines.web import WebSplines
 F = TypeVar("F", bound=Callable[..., Any])
 
 try:
-    from rsym.sampling.sharp.loops import loop, step
+    from rsym.sampling.sharp.loops import loop as loop
+    from rsym.sampling.sharp.loops import step as step
 except ImportError:
     # Without numba they run as they stand, slowly.
     def loop(function: F) -> F:

@@ -69,7 +69,7 @@ class WebSplines:
         place = np.clip(place, -1, np.array(self.counts)).astype(np.int64)
         # What lies on the far side of the grid belongs to the last cell.
         place -= (place == self.counts) & (points <= self.lower + self.size * self.counts)
-        within = ((place >= 0) & (place < self.counts)).all(axis=1)
+        within = np.asarray(((place >= 0) & (place < self.counts)).all(axis=1), np.bool_)
         flat = np.ravel_multi_index(tuple(np.where(within[:, None], place, 0).T), self.counts)
         return np.where(within, flat, -1)
 
@@ -80,7 +80,7 @@ class WebSplines:
         there.ravel()[self.active] = True
         for axis in range(self.dimension):
             windows = np.lib.stride_tricks.sliding_window_view(there, self.degree + 1, axis)
-            there = windows.all(axis=-1)
+            there = np.asarray(windows.all(axis=-1), np.bool_)
         return there.ravel()[np.maximum(cells, 0)] & (cells >= 0)
 
     @cached_property

@@ -102,10 +102,10 @@ class AxisSums:
     def largest(self) -> int:
         """How many numbers a sum may have on the way."""
         square, counts = (self.degree + 1) ** 2, [len(stage) for stage in self._stages]
-        return max(
-            [square**self.dimension]
-            + [n * self.points ** (axis + 1) * square ** (self.dimension - 1 - axis) for axis, n in enumerate(counts)]
-        )
+        sizes = [square**self.dimension]
+        for axis, count in enumerate(counts):
+            sizes.append(int(count * self.points ** (axis + 1) * square ** (self.dimension - 1 - axis)))
+        return int(max(sizes))
 
     @cached_property
     def places(self) -> Ints:

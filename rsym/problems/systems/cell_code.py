@@ -228,6 +228,32 @@ def cell_loads(
                             out[c, j, i] += value * phi[f, i]
 
 
+@loop
+def apply_forms(forms: Floats, functions: Floats, out: Floats) -> None:
+    """The loads (n, kinds, functions) that forms (n, kinds, kinds) make of functions (kinds, functions, n)."""
+    for k in range(len(forms)):
+        for i in range(out.shape[1]):
+            for j in range(out.shape[2]):
+                out[k, i, j] = 0.0
+            for other in range(forms.shape[2]):
+                value = forms[k, i, other]
+                if value != 0.0:
+                    for j in range(out.shape[2]):
+                        out[k, i, j] += value * functions[other, j, k]
+
+
+@loop
+def tested_loads(functions: Floats, loads: Floats, out: Floats) -> None:
+    """Add the products of functions (kinds, functions, n) and loads (n, kinds, count) to out (count, functions)."""
+    for k in range(len(loads)):
+        for i in range(functions.shape[0]):
+            for f in range(functions.shape[1]):
+                value = functions[i, f, k]
+                if value != 0.0:
+                    for j in range(loads.shape[2]):
+                        out[j, f] += value * loads[k, i, j]
+
+
 @step
 def flat_number(cell: Any, local: Any, shape: Ints) -> int:
     """The number of a spline of a cell."""

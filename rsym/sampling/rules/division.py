@@ -16,7 +16,8 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.sharp.loops import loop
 
 INSIDE, OPEN, OUTSIDE = 1, 0, -1
-# A leaf may climb so steeply over the axes across, or any if its slope changes by this factor at most in the cell.
+# A leaf may climb so steeply over the axes across; or as steeply as it likes if its slope along the height changes by
+# this factor at most in the cell.
 STEEP, EVEN = 3.0, 1.3
 FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a steep one
 MOST = 64  # parts of a cell left open at a level
@@ -170,15 +171,21 @@ class Divided:
 
 @dataclass(frozen=True)
 class Limits:
-    """So many levels of division where much is left open, as along a curve on which gradients vanish, and little."""
+    """How far cells are divided.
+
+    usual, deepest : so many levels where much is left open, as along a curve on which gradients vanish, and little.
+    uneven : by this factor the slope of a leaf along the height may change in a cell. On a torus 2 takes twice the
+        points of 3 and gains two digits; in the plane it takes a tenth more.
+    """
 
     usual: int
     deepest: int
+    uneven: float
 
 
 def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats, limits: Limits) -> Divided:
     """Divide cells; those close to one of the points `near` (k, dim) are divided towards it."""
-    inside: list[tuple[Floats, Floats, Ints]] = []
+    inside = [(cells.lower[:, :0], cells.upper[:, :0], cells.owner[:0])]
     whole = np.empty(0, np.int64)
     cut: list[CutPieces] = []
     pieces = cells
@@ -196,7 +203,7 @@ def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats, limits: 
         pieces = pieces.chosen((verdict == OPEN) | ((verdict == INSIDE) & towards), kept)
         towards = towards[(verdict == OPEN) | ((verdict == INSIDE) & towards)]
         axis, proved = np.empty(len(pieces), np.int64), np.empty(len(pieces), bool)
-        choose_axes(pieces.start, pieces.gradient, axis, proved)
+        choose_axes(pieces.start, pieces.gradient, limits.uneven, axis, proved)
         pieces = replace(pieces, axis=axis, proved=proved)
         going = ~proved & ~towards
         crowd = np.bincount(pieces.owner[going], minlength=1) if going.any() else np.zeros(1, np.int64)
@@ -221,7 +228,7 @@ def close(pieces: CutPieces, near: Floats) -> Flags:
 
 
 @loop
-def choose_axes(start: Any, gradient: Any, axis: Any, proved: Any) -> None:
+def choose_axes(start: Any, gradient: Any, uneven: float, axis: Any, proved: Any) -> None:
     """The axis that serves best as the height of each piece, and whether it does."""
     dimension = gradient.shape[0]
     for piece in range(len(axis)):
@@ -237,7 +244,8 @@ def choose_axes(start: Any, gradient: Any, axis: Any, proved: Any) -> None:
                 for j in range(dimension):
                     if j != k:
                         across = max(across, max(-gradient[j, 0, pair], gradient[j, 1, pair]))
-                if not (least > 0 and (STEEP * least >= across or most <= EVEN * least)):
+                gentle = STEEP * least >= across and most <= uneven * least
+                if not (least > 0 and (gentle or most <= EVEN * least)):
                     fits = False
                 ratio = least / max(most, across)
                 score = min(score, ratio) if ratio >= 0 else 0.0

@@ -83,7 +83,7 @@ def integrate(
     """
     require_shape(shape)
     made = prepared(shape, bounds, letters)
-    leaves = _leaves(over, made.parts)
+    leaves = _leaves(over, made.parts)[made.owner]
     function = _function(f, shape, letters)
 
     def quantities(portion: RulePortion) -> tuple[Floats, Floats]:

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.logic.lifting import opened
-from rsym.logic.sign_form import Gate, SignForm, surface_form
+from rsym.logic.lifting import lifted
+from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
+from rsym.program.builder import Builder
 from rsym.sampling.kernels.mesher_kernels import (
     MesherKernels,
     backend_for,
@@ -25,6 +27,7 @@ from rsym.sampling.rules.division import CutPieces
 from rsym.sampling.sharp.crossings import CompiledLeaves
 from rsym.sampling.sharp.loops import loop
 
+MOST_CHOICES = 6  # each may double the leaves
 EPSILON = float(np.finfo(np.float64).eps)
 
 
@@ -92,11 +95,52 @@ class LeafFunctions:
         return points if self.dimension == 3 else np.vstack([points, np.zeros(points.shape[1])])
 
 
+@dataclass(frozen=True)
+class RuleForm:
+    """A sign form as kernels want it, in three coordinates, minima and absolute values in its leaves lifted to gates.
+
+    plain : the form whose leaves have names; owner : for each leaf of `form` the number of that which it comes from.
+    """
+
+    form: SignForm
+    plain: SignForm
+    owner: Ints
+
+
 @recently(16)
-def rule_form(shape: Shape, capped: bool) -> SignForm:
-    """The sign form of a shape as kernels want it, in three coordinates; its first leaves are those of the shape."""
-    form = opened(surface_form(shape, *across(shape)))
-    return form.capped() if capped else form
+def rule_form(shape: Shape, capped: bool) -> RuleForm:
+    """The form of a shape, with its bounds as leaves behind the others."""
+    plain = surface_form(shape, *across(shape))
+    form, owner = _smooth(plain)
+    if capped:
+        sides = len(plain.leaves) + np.arange(6)
+        return RuleForm(form.capped(), plain.capped(), np.concatenate([owner, sides]))
+    return RuleForm(form, plain, owner)
+
+
+def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
+    """The form without kinks in its leaves that are minima, maxima and absolute values in sums, and whose they are."""
+    builder = form.builder
+    leaves = [_lifted(builder, leaf) for leaf in form.leaves]
+    made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
+    smooth = replace(sign_form(builder, made[-1]), parameters=form.parameters)
+    owner: dict[int, int] = {}
+    for number, leaf in enumerate(leaves):
+        for part in sign_form(builder, leaf).leaves:
+            owner.setdefault(part, number)
+    if list(form.leaves) == leaves or any(leaf not in owner for leaf in smooth.leaves):
+        return form, np.arange(len(form.leaves))
+    return smooth, np.array([owner[leaf] for leaf in smooth.leaves])
+
+
+def _lifted(builder: Builder, leaf: int) -> int:
+    """A leaf with all its choices on top that sums let through: a sum lifts those of one of its terms at a time."""
+    for _ in range(MOST_CHOICES):
+        number = lifted(builder, leaf, few=0)
+        if number == leaf:
+            break
+        leaf = number
+    return leaf
 
 
 def gate_array(gates: tuple[Gate, ...]) -> Ints:

@@ -158,7 +158,7 @@ def measure(
     """
     made = prepared(shape, bounds, letters)
     names = tuple(dict.fromkeys(made.parts))
-    number = np.array([names.index(name) for name in made.parts])
+    number = np.array([names.index(name) for name in made.parts])[made.owner]
     dimension = shape.dimension
     rows = [(i, j) for i in range(dimension) for j in range(i, dimension)]
     middle = np.array([[low / 2 + high / 2] for low, high in made.box])

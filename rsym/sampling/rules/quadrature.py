@@ -21,13 +21,15 @@ from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.rules.bases import plane_rule
 from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule
-from rsym.sampling.rules.division import Limits, divide, undivided
+from rsym.sampling.rules.division import INSIDE, OPEN, Limits, close, divide, undivided
 from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 from rsym.sampling.rules.space import space_rule
 
 ORDER = 8
-AT_ONCE = {2: 1024, 3: 256}  # cells
-LIMITS = {2: Limits(6, 44), 3: Limits(5, 24)}
+PAIRS = 2**17  # of cells and leaves that are looked at at once
+CUT_AT_ONCE = 1024  # cells that the boundary may cross, of which rules are made at once
+POINTS = 2**20  # of such rules, about
+LIMITS = {2: Limits(6, 44, 2.0), 3: Limits(5, 24, 3.0)}
 
 
 @dataclass(frozen=True)
@@ -212,21 +214,24 @@ def quadrature(
 
 @dataclass(frozen=True)
 class Prepared:
-    """A shape at letters within bounds, ready for rules."""
+    """A shape at letters within bounds, ready for rules; `owner` is the part of each leaf of the functions."""
 
     functions: LeafFunctions
     box: Bounds
     parts: tuple[str, ...]
+    owner: Ints
 
     def rule(self, cells: int, order: int, near: ArrayLike | None = None, threads: int | None = None) -> Quadrature:
         """The rule with so many cells along the longest side, and so many points along each direction of a cell."""
         grid = self.grid(cells)
         made = list(self.portions(grid, order, near, threads))
+        made = made or [_portion(self.functions, grid, np.arange(0), order, np.empty((0, 2)))]
         rule = rules_together([portion.rule for portion in made])
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
+        leaves = self.owner[rule.edge_leaf]
         boundary = BoundaryQuadrature(
-            rule.edge_points.T, rule.edge_weights, normals, rule.edge_leaf, rule.edge_owner, self.parts
+            rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts
         )
         full = np.concatenate([portion.full for portion in made])
         touched = np.union1d(rule.owner, rule.edge_owner)
@@ -248,13 +253,28 @@ class Prepared:
         """The rule in some cells after the other; the portions depend on the grid alone."""
         require_count("order", order, "the number of points along each direction of a cell, for example 8")
         points = _points(near, self.functions.dimension)
-        every, size = np.arange(math.prod(grid.counts)), AT_ONCE[self.functions.dimension]
-        some = [every[first : first + size] for first in range(0, len(every), size)]
         make = partial(_portion, self.functions, grid, order=order, near=points)
-        count = checked_threads(threads)
-        yield from (
-            lasting_threads("rsym-rules", count).map(make, some) if min(count, len(some)) > 1 else map(make, some)
-        )
+        some, count = self._some_cells(grid, order, points), checked_threads(threads)
+        many = count > 1 and len(some) > 1
+        yield from lasting_threads("rsym-rules", count).map(make, some) if many else map(make, some)
+
+    def _some_cells(self, grid: CellGrid, order: int, near: Floats) -> list[Ints]:
+        """The cells that the shape may meet, in parts of about as much work."""
+        functions = self.functions
+        size = max(1, PAIRS // functions.count)
+        every = np.arange(math.prod(grid.counts))
+        cuts, fills = np.zeros(len(every), bool), np.zeros(len(every), bool)
+        for first in range(0, len(every), size):
+            cells = every[first : first + size]
+            pieces = undivided(*grid.corners(cells), cells, functions.count)
+            value, _ = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
+            _, verdict, _ = functions.judge(pieces, value)
+            cuts[cells], fills[cells] = verdict == OPEN, verdict == INSIDE
+            cuts[cells] |= close(pieces, near) & fills[cells]
+        points = order**functions.dimension
+        work = np.cumsum(cuts / min(CUT_AT_ONCE, max(16, POINTS // (4 * points))) + fills * (points / POINTS))
+        met = np.flatnonzero(cuts | fills)
+        return [cells for cells in np.split(met, np.flatnonzero(np.diff(work[met].astype(np.int64))) + 1) if len(cells)]
 
 
 def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Prepared:
@@ -263,14 +283,14 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
     box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     form = rule_form(shape, box is not None)
     known = extent(shape, letters) if box is None else box
-    functions = LeafFunctions(shape, form, letters, known)
+    functions = LeafFunctions(shape, form.form, letters, known)
     if box is None and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
         raise RsymError(
             "the inside of the shape is unbounded",
             code="unbounded",
             remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
         )
-    return Prepared(functions, known, leaf_names(form, shape))
+    return Prepared(functions, known, leaf_names(form.plain, shape), form.owner)
 
 
 def _points(near: ArrayLike | None, dimension: int) -> Floats:
@@ -298,8 +318,7 @@ def _portion(functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, 
     """The rule in some cells."""
     lower, upper = grid.corners(cells)
     found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS[functions.dimension])
-    rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
-    unresolved = 0.0
+    rules, unresolved = [tensor_rule(found.lower, found.upper, found.owner, order)], 0.0
     for pieces in found.cut:
         if len(pieces):
             if functions.dimension == 2:
@@ -310,15 +329,16 @@ def _portion(functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, 
                 unresolved += part
             unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
     rule = rules_together(rules)
-    content = np.bincount(rule.owner - cells[0], rule.weights, len(cells))
+    number = np.searchsorted(cells, rule.owner)
+    content = np.bincount(number, rule.weights, len(cells))
     whole = np.prod(upper - lower, axis=0)
     full = np.abs(content / whole - 1) < 1e-12
     # A cell whose boundary is its own side came out in another order.
     other = full & ~np.isin(cells, found.whole)
-    counts = np.bincount(rule.owner - cells[0], minlength=len(cells))
+    counts = np.bincount(number, minlength=len(cells))
     other &= counts == order**functions.dimension
     if other.any():
-        keep = ~other[rule.owner - cells[0]]
+        keep = ~other[number]
         plain = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
         rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])

@@ -19,7 +19,7 @@ from rsym.sampling.rules.curves import Risers, along, heights_between, placed
 from rsym.sampling.rules.division import INSIDE, OPEN, BoundedFunctions, CutPieces, Limits, divide, starts
 from rsym.sampling.rules.walks import BETWEEN, LAST
 
-LIMITS = Limits(4, 40)
+LIMITS = Limits(4, 40, 3.0)
 FACE, GAP = 0, 1
 
 
