@@ -183,6 +183,13 @@ class Solution:
         """The gradient (..., dimension) at points."""
         return np.moveaxis(self._field(coordinates, 1)[1:], 0, -1)
 
+    def hessian(self, *coordinates: ArrayLike) -> Any:
+        """The second derivatives (..., dimension, dimension) at points: of a plate, its curvatures."""
+        found, n = self._field(coordinates, 2), self.problem.dimension
+        every = derivatives(n, 2)
+        places = [[every.index(tuple((k == i) + (k == j) for k in range(n))) for j in range(n)] for i in range(n)]
+        return np.moveaxis(found[np.array(places)], (0, 1), (-2, -1))
+
     def laplacian(self, *coordinates: ArrayLike) -> Any:
         """The Laplacian at points; about an axis that of the body in space."""
         found = self._field(coordinates, 2)

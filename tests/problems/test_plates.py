@@ -49,6 +49,13 @@ def test_a_round_plate_that_is_supported(ratio):
     r2 = np.array([0.0, 0.25, 0.8])
     exact = (1 - r2) * ((5 + ratio) / (1 + ratio) - r2)
     np.testing.assert_allclose(found(np.sqrt(r2), 0), exact, rtol=1e-11)
+    across, _, along = np.moveaxis(found.hessian(0.6, [0.8, 0.0]).reshape(2, 4)[:, [0, 1, 3]], -1, 0)
+    second = -2 * ((5 + ratio) / (1 + ratio) + 1)  # of (1 - r2)*(c - r2), at the middle
+    np.testing.assert_allclose([across[1], along[1]], [second + 12 * 0.36, second + 4 * 0.36], rtol=1e-9)
+    # No moment across the rim, whose normal is (0.6, 0.8) there.
+    curvatures = found.hessian(0.6, 0.8)
+    n, t = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
+    assert abs(n @ curvatures @ n + ratio * (t @ curvatures @ t)) < 1e-8
 
 
 @pytest.mark.parametrize("rim", EDGES)

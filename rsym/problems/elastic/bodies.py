@@ -19,11 +19,10 @@ from rsym.model.shape import Shape
 from rsym.model.wording import listing
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
-from rsym.problems.lifts import lift_of
+from rsym.problems.equations import equation_of
 from rsym.problems.pointwise import PointFormulas, compiled, with_derivatives
-from rsym.problems.problem import value_at
+from rsym.problems.problem import Problem, value_at
 from rsym.program.differentiation import derivative
-from rsym.program.lowering import lower
 
 STRESS, STRAIN = "stress", "strain"
 Held = Mapping[Name, tuple[int, ...]]
@@ -101,38 +100,27 @@ class ElasticBody:
         return "the rest" if name is ... else repr(name)
 
     @cached_property
-    def components(self) -> tuple[PointFormulas | None, ...]:
-        """Along each coordinate the derivatives of the weight, which vanishes where the displacement is given."""
-        nodes = [weight(self.form, [leaf for leaves in held.values() for leaf in leaves]) for held in self.held]
-        return tuple(None if node is None else self._jets(node) for node in nodes)
-
-    def weight(self, axis: int, points: Floats) -> Floats:
-        """The derivatives (3, n) of the weight of the displacement along an axis."""
-        component = self.components[axis]
-        if component is not None:
-            return component(points)
-        found = np.zeros((1 + len(self.held), len(points)))
-        found[0] = 1.0
-        return found
-
-    @cached_property
-    def lifts(self) -> tuple[PointFormulas | None, ...]:
-        """Along each coordinate the derivatives of a function with the displacements that are given; None of 0."""
-        found: list[PointFormulas | None] = []
+    def problems(self) -> tuple[Problem, ...]:
+        """Of each displacement the problem whose weight and lift are its own; the equation in it is not asked."""
+        equation, found = equation_of("-laplacian(u) = 0", self.shape.coordinates), []
         for axis, held in enumerate(self.held):
             given = {name: self._given(name, axis) for name in held}
             if any(condition.value != 0 for condition in given.values()):
                 for name, leaves in held.items():
-                    if len(leaves) != self.names.count(name):
-                        raise RsymError(
-                            f"of {'the rest' if name is ... else repr(name)} only some leaves are held along "
-                            f"{self.shape.coordinates[axis]}, others are displaced",
-                            code="condition",
-                            remedy="name the sides apart",
-                        )
-            expression = lift_of(self.shape, given)
-            found.append(None if expression == 0 else self._jets(lower(self.form.builder, expression)))
+                    self._require_whole(name, leaves, axis)
+            kept = {leaf for leaves in held.values() for leaf in leaves}
+            on_leaves = [given[name] if leaf in kept else None for leaf, name in enumerate(self.names)]
+            found.append(Problem(self.shape, equation, given, tuple(on_leaves)))
         return tuple(found)
+
+    def _require_whole(self, name: Name, leaves: tuple[int, ...], axis: int) -> None:
+        if len(leaves) != self.names.count(name):
+            raise RsymError(
+                f"of {'the rest' if name is ... else repr(name)} only some sides are held along "
+                f"{self.shape.coordinates[axis]}, and other parts are displaced",
+                code="condition",
+                remedy="name the sides apart",
+            )
 
     def _given(self, name: Name, axis: int) -> Dirichlet:
         condition = self.named[name]

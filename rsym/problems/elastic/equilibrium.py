@@ -22,8 +22,8 @@ from rsym.errors import RsymError
 from rsym.model.wording import listing
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import ElasticBody
-from rsym.problems.splines.web import WebSplines, web_splines
-from rsym.problems.systems.forms import Assembler, CellPoints, extended
+from rsym.problems.galerkin import Discretisation, single_load
+from rsym.problems.systems.forms import CellPoints, extended
 from rsym.sampling.rules.quadrature import Quadrature
 
 AXES = range(2)
@@ -59,20 +59,9 @@ class Equilibrium:
     threads: int | None = None
 
     @cached_property
-    def splines(self) -> WebSplines:
-        """The splines of the grid of the rule, the same for both displacements."""
-        grid = self.rule.grid
-        return web_splines(grid.lower, grid.size, grid.counts, self.degree, self.rule.touched, self.rule.full)
-
-    @cached_property
-    def assembler(self) -> Assembler:
-        """Of matrices."""
-        return Assembler(self.splines, 1, self.threads)
-
-    @cached_property
-    def inside(self) -> CellPoints:
-        """The points inside."""
-        return CellPoints(self.rule.points, self.rule.cells, self.rule.full, self.rule.order)
+    def discrete(self) -> tuple[Discretisation, ...]:
+        """Of both displacements, by the same splines."""
+        return tuple(Discretisation(one, self.rule, self.degree, self.threads) for one in self.body.problems)
 
     @cached_property
     def moduli(self) -> tuple[Floats, Floats]:
@@ -111,46 +100,33 @@ class Equilibrium:
                         found[:, 1 + k, 1 + k] += shear
                 return found
 
-            tests, trials = (lambda points, axis=axis: self.body.weight(axis, points) for axis in (i, j))
-            own = self.assembler.matrix(self.inside, form, tests, trials, symmetric=i == j)
-            blocks[i][j] = extended(self.splines, own)
+            one, other = self.discrete[i], self.discrete[j]
+            own = one.assembler.matrix(one.inside, form, one.tests, other.tests, symmetric=i == j)
+            blocks[i][j] = extended(one.splines, own)
         blocks[1][0] = blocks[0][1].T  # type: ignore[union-attr]
         return sparse.bmat(blocks, format="csr")
 
     @cached_property
     def right(self) -> Floats:
         """The work of loads, without that of the stresses of the displacements that are given."""
-        strained = any(lift is not None for lift in self.body.lifts)
-        force = self.body.load(self.rule.points)
-        stress = self.stress(self.lifted(self.rule.points), self.moduli) if strained else None
+        force = self.rule.weights * self.body.load(self.rule.points)
+        stress = self.stress(self.lifted(self.rule.points), self.moduli)
         parts = []
-        for axis in AXES:
+        for axis, one in enumerate(self.discrete):
 
             def load(some: slice, points: Floats, axis: int = axis) -> Floats:
-                found = np.zeros((len(points), 3, 1))
-                found[:, 0, 0] = self.rule.weights[some] * force[axis][some]
-                if stress is not None:
-                    found[:, 1:, 0] = -stress[axis][:, some].T
-                return found
+                return np.concatenate([force[axis, None, some], -stress[axis][:, some]]).T[:, :, None]
 
-            def tests(points: Floats, axis: int = axis) -> Floats:
-                return self.body.weight(axis, points)
-
-            total = self.assembler.loads(self.inside, load, tests)
+            total = one.loads(one.inside, load)
             for where, acting in self.loaded:
-
-                def push(some: slice, points: Floats, acting: Floats = acting[axis]) -> Floats:
-                    found = np.zeros((len(points), 3, 1))
-                    found[:, 0, 0] = acting[some]
-                    return found
-
-                total = total + self.assembler.loads(where, push, tests)
-            parts.append((total @ self.splines.extension)[0])
+                total = total + one.loads(where, single_load(acting[axis], 3))
+            parts.append(total[0])
         return np.concatenate(parts)
 
     def lifted(self, points: Floats) -> Floats:
         """The derivatives (2, 3, n) of the displacements that are given."""
-        return np.array([np.zeros((3, len(points))) if lift is None else lift(points) for lift in self.body.lifts])
+        lifts = [one.lift(1) for one in self.body.problems]
+        return np.array([np.zeros((3, len(points))) if lift is None else lift(points) for lift in lifts])
 
     @staticmethod
     def stress(jets: Floats, moduli: tuple[Floats, Floats]) -> Floats:

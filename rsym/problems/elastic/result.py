@@ -16,9 +16,7 @@ from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import STRAIN, ElasticBody
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
 from rsym.problems.places import on_shape, rule_on
-from rsym.problems.solution import AT_ONCE, MORE_POINTS, SolutionReport
-from rsym.problems.splines.cardinals import product_terms
-from rsym.problems.splines.evaluation import jets
+from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, with_rule
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.linear import solve_system
 from rsym.reports.words import plural
@@ -93,21 +91,17 @@ class ElasticSolution:
         """The rule of integration that it was found with."""
         return rule_on(self.shape, self.body.named, self.report.cells, self.order)
 
+    @cached_property
+    def components(self) -> tuple[Solution, ...]:
+        """The displacement along each coordinate, a field that can be drawn, and asked for its maximum and the like."""
+        return tuple(
+            with_rule(Solution(problem, self.splines, row, np.empty(0), self.report, self.order), self.rule)
+            for problem, row in zip(self.body.problems, self.coefficients, strict=True)
+        )
+
     def jets(self, points: Floats) -> Floats:
         """The values and gradients (2, 3, n) of both displacements at points (n, 2), whether inside or not."""
-        found = np.zeros((2, 3, len(points)))
-        terms = product_terms(2, 1)
-        for first in range(0, len(points), AT_ONCE):
-            some = slice(first, first + AT_ONCE)
-            here = points[some]
-            phi = jets(self.splines, self.coefficients, here, 1)
-            for axis, lift in enumerate(self.body.lifts):
-                weight = self.body.weight(axis, here)
-                for term in terms:
-                    found[axis, term.whole, some] += term.times * weight[term.left] * phi[term.right, axis]
-                if lift is not None:
-                    found[axis, :, some] += lift(here)
-        return found
+        return np.array([one.jets(points, 1) for one in self.components])
 
     # -- fields ------------------------------------------------------------------------------------------------------
 
@@ -201,7 +195,8 @@ def in_equilibrium(body: ElasticBody, rule: Quadrature, cells: int, degree: int)
         grades=(),
         unresolved=rule.unresolved,
     )
-    coefficients = (system.splines.extension @ found.values.reshape(2, -1).T).T
-    made = ElasticSolution(body, system.splines, np.ascontiguousarray(coefficients), told, degree + MORE_POINTS)
+    splines = system.discrete[0].splines
+    coefficients = np.ascontiguousarray((splines.extension @ found.values.reshape(2, -1).T).T)
+    made = ElasticSolution(body, splines, coefficients, told, degree + MORE_POINTS)
     made.__dict__["rule"] = rule
     return made
