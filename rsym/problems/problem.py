@@ -33,6 +33,7 @@ from rsym.problems.splines.cardinals import derivatives
 from rsym.program.lowering import lower
 
 VALUE, FLUX = "value", "flux"
+ON_AXIS = 1e-6  # of the size of a shape
 VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
 
 
@@ -167,7 +168,10 @@ def with_corners(problem: Problem) -> Problem:
     )
     if problem.dimension != 2 or problem.order != 1 or not alike or len(problem.form.leaves) < 2:
         return problem
-    corners = corners_of(problem.shape)
+    every = corners_of(problem.shape)
+    # On the axis of a body of revolution exponents are those of cones.
+    size = max(abs(value) for corner in every for value in corner.point) if every else 1.0
+    corners = [one for one in every if problem.axis < 0 or abs(one.point[1 - problem.axis]) > ON_AXIS * size]
     points = np.array([corner.point for corner in corners]).reshape(-1, 2)
     place = list(problem.equation.expressions).index("f")
     loaded = (problem.coefficients(points)[place] != 0).tolist()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import sympy as sp
 from rsym.analysis.conditions import Dirichlet, Robin, UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
+from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
@@ -156,7 +158,7 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
     numbers: dict[str, Any] = {}
     for key, value in (letters or {}).items():
         name = str(key)
-        is_number = isinstance(value, int | float | sp.Number)
+        is_number = isinstance(value, int | float | Fraction | sp.Number | Letter)
         if name in shape.letters or is_number:
             numbers[name] = value
         else:

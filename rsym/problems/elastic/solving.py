@@ -28,8 +28,8 @@ def elasticity(
     shape: Shape,
     conditions: Mapping[Any, Any],
     *,
-    young: Any,
-    poisson: Any,
+    young: Any = None,
+    poisson: Any = None,
     loads: Any = (0, 0),
     plane: str = STRESS,
     degree: int = 4,
@@ -51,7 +51,7 @@ def elasticity(
         free; ``rsym.roller()`` for straight parts along an axis, planes of symmetry among them; ``rsym.traction((0,
         -1))``; ``rsym.pressure(2)``; the key ``...`` is the rest. Where nothing is said no force acts.
     young, poisson : number, expression, Shape or function
-        Young's modulus and Poisson's ratio.
+        Young's modulus and Poisson's ratio: both must be given.
     loads : sequence
         The force on a volume, along each coordinate.
     plane : "stress" or "strain"
@@ -92,6 +92,12 @@ def elasticity(
     require_mapping(conditions, "condition", EXAMPLES)
     if plane not in (STRESS, STRAIN):
         raise RsymError(f'plane is "{STRESS}" or "{STRAIN}", got {plane!r}', code="plane")
+    if young is None or poisson is None:
+        raise RsymError(
+            "Young's modulus and Poisson's ratio of the body are not given",
+            code="material",
+            remedy="for steel, in N and mm, young=210e3, poisson=0.3",
+        )
     checked_degree(degree)
     shape, _ = lettered(shape, letters)
     material = condition_value(young, "Young's modulus"), condition_value(poisson, "Poisson's ratio")

@@ -79,6 +79,14 @@ class Risers:
         value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[..., which], at))
         return value, along(gradient, axis)
 
+    def distances(self, which: Ints, at: Floats) -> Floats:
+        """Values, over the lengths of gradients shorter than 1: near singular points small values count."""
+        axis = self.axis[which]
+        value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[..., which], at))
+        length = np.sqrt((gradient**2).sum(axis=0))
+        found: Floats = value / np.where((length > 0) & (length < 1), length, 1.0)
+        return found
+
     def enclose(self, which: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Never asked: they only rise or fall."""
         raise NotImplementedError

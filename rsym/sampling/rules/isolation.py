@@ -57,11 +57,11 @@ def isolate(
     which = np.arange(len(lower))
     found: list[tuple[Ints, ...]] = []
     double: list[tuple[Ints, Floats]] = []
-    tolerance = curves.tolerance
     for level in range(HALVINGS + 1):
+        steepest = np.maximum(np.abs(least), np.abs(most))
+        tolerance = curves.tolerance * np.minimum(1.0, steepest)
         changes = (below > tolerance) != (above > tolerance)
         done = (least > 0) | (most < 0)
-        steepest = np.maximum(np.abs(least), np.abs(most))
         # No root where the ends are too large for the slope: half the interval from each.
         reach = steepest * (upper - lower)
         done |= ~changes & (np.abs(below) + np.abs(above) > reach + 2 * tolerance)
@@ -76,7 +76,7 @@ def isolate(
         crowd = np.bincount(which)[which] > MOST
         if level == HALVINGS or crowd.any():
             last = crowd | (level == HALVINGS)
-            changes = (below > tolerance) != (above > tolerance)
+            changes = changes[going]
             take = last & changes
             found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
             double.append((which[last & ~changes], (lower / 2 + upper / 2)[last & ~changes]))
@@ -99,7 +99,7 @@ def roots(curves: Curves, brackets: Brackets) -> Floats:
     """The root in each bracket, by Newton steps that never leave it; where a value at an end is zero, that end."""
     lower, upper, below, above = (a.copy() for a in (brackets.lower, brackets.upper, brackets.below, brackets.above))
     found = np.where(np.abs(below) <= np.abs(above), lower, upper)
-    live = np.flatnonzero(np.minimum(np.abs(below), np.abs(above)) > curves.tolerance / 64)
+    live = np.flatnonzero(below * np.sign(above) < 0)
     with np.errstate(all="ignore"):
         place = lower - below * ((upper - lower) / (above - below))
     a, b, x = lower[live], upper[live], place[live]

@@ -14,7 +14,6 @@ from rsym.model.shape import Shape
 from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.numbers import measured
 from rsym.reports.render import Report
-from rsym.sampling.rules.integrals import TOLERANCE
 from rsym.sampling.rules.quadrature import ORDER, RulePortion, prepared
 from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
 
@@ -138,7 +137,7 @@ def _told(value: Integral) -> str:
 def measure(
     shape: Shape,
     *,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
     cells: int | None = None,
     order: int = ORDER,
     bounds: Any = None,
