@@ -27,7 +27,8 @@ def placed(height_axis: Ints, base: Floats, height: Floats) -> Floats:
 
 def along(gradient: Floats, axis: Ints) -> Floats:
     """One component of gradients (dim, n), or of their bounds (dim, 2, n)."""
-    return np.take_along_axis(gradient, axis.reshape(1, *[1] * (gradient.ndim - 2), -1), axis=0)[0]
+    found: Floats = np.take_along_axis(gradient, axis.reshape(1, *[1] * (gradient.ndim - 2), -1), axis=0)[0]
+    return found
 
 
 @dataclass(frozen=True)
