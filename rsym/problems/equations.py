@@ -18,7 +18,7 @@ from sympy.core.function import AppliedUndef
 from rsym.errors import RsymError
 from rsym.language.equations import parse_equation
 from rsym.model.shape import Shape
-from rsym.model.symbols import as_expression, real_replacements, real_symbol, substitute, symbols_of
+from rsym.model.symbols import as_expression, real_replacements, real_symbol, substitute
 from rsym.model.wording import listing
 from rsym.problems.equation_text import UNKNOWN, EquationReader
 from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, too_high
@@ -103,9 +103,6 @@ def equation_of(
         whole = reader.scalar(left).plus(reader.scalar(right).scaled(sp.S.NegativeOne, calculus))
     else:
         whole = _from_sympy(given, calculus)
-    if {*coordinates, *calculus.opaque} & set(symbols_of(whole.fourth)):
-        # Its form is integrated by parts twice: what stands before it must be the same everywhere.
-        whole = replace(whole.scaled(1 / whole.fourth, calculus), fourth=sp.S.One)
     minus = tuple(tuple(-one for one in row) for row in whole.second)
     made = EllipticEquation(coordinates, _even(minus), whole.first, whole.zero, whole.fourth, -whole.value, functions)
     if not any(map(any, made.diffusion)) and made.bending == 0:
@@ -113,6 +110,13 @@ def equation_of(
             f"the equation has no second derivatives of {UNKNOWN}: it is not elliptic",
             code="not-elliptic",
             remedy='for example "-laplacian(u) = 1"',
+        )
+    varying = {*coordinates, *map(real_symbol, functions)}.intersection(made.bending.free_symbols)
+    if varying:
+        raise RsymError(
+            f"what stands before bilaplacian(u) depends on {sorted(map(str, varying))[0]}",
+            code="equation",
+            remedy="divide the equation by it",
         )
     # laplacian(u) = f and -laplacian(u) = -f are one equation.
     leading = made.bending if made.bending != 0 else made.diffusion[0][0]

@@ -90,7 +90,6 @@ class Discretisation:
         self._require_elliptic(values, points)
         form = np.zeros((len(points), self.kinds, self.kinds))
         for i in range(dimension):
-            form[:, 1 + i, 0] = 0.0
             form[:, 0, 1 + i] = weights * values[f"b{i}"]
             for j in range(dimension):
                 form[:, 1 + i, 1 + j] = weights * values[f"a{i}{j}"]
