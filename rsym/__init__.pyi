@@ -84,7 +84,10 @@ from .output.systems import SystemRow, SystemTable, compare_systems
 from .output.torsion import plot_torsion
 from .output.verdicts import plot_verdict
 from .output.viewing import view
-from .problems.elastic import Deformation, elasticity
+from .problems.elastic.equilibrium import Forces
+from .problems.elastic.result import ElasticSolution, PlaneTensor
+from .problems.elastic.solving import elasticity
+from .problems.elastic.supports import displacement, fixed, pressure, roller, traction
 from .problems.interpolation import interpolate
 from .problems.solution import Attained, Solution, SolutionReport
 from .problems.solution_structures import solution_structure
@@ -140,12 +143,13 @@ __all__ = [
     "Camera",
     "ContinuityReport",
     "Curve",
-    "Deformation",
     "DesignTable",
+    "ElasticSolution",
     "FairnessReport",
     "Feature",
     "Finding",
     "Fit",
+    "Forces",
     "Image",
     "Joint",
     "Kernel",
@@ -157,6 +161,7 @@ __all__ = [
     "MeshFile",
     "Mesher",
     "NormalisationReport",
+    "PlaneTensor",
     "Price",
     "Quadrature",
     "R0m",
@@ -212,6 +217,7 @@ __all__ = [
     "dirichlet",
     "disc",
     "disjunction",
+    "displacement",
     "displacement_blend",
     "double_cone",
     "dumps",
@@ -228,6 +234,7 @@ __all__ = [
     "fairness",
     "fillet",
     "fit",
+    "fixed",
     "frustum",
     "gaussian_curvature",
     "gradient",
@@ -291,6 +298,7 @@ __all__ = [
     "plot_verdict",
     "polygon",
     "polyline",
+    "pressure",
     "primitives",
     "principal_curvatures",
     "product",
@@ -305,6 +313,7 @@ __all__ = [
     "rfNOT",
     "rfOR",
     "robin",
+    "roller",
     "row",
     "sample",
     "save",
@@ -337,6 +346,7 @@ __all__ = [
     "to_trimesh",
     "torsion",
     "torus",
+    "traction",
     "transform",
     "triangle_wave",
     "trimming",

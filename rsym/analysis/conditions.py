@@ -80,7 +80,7 @@ def dirichlet(value: Any) -> Dirichlet:
     >>> rsym.dirichlet(0.5)
     Dirichlet(value=1/2)
     """
-    return Dirichlet(_value(value, "the value"))
+    return Dirichlet(condition_value(value, "the value"))
 
 
 def neumann(flux: Any = 0) -> Robin:
@@ -102,7 +102,7 @@ def neumann(flux: Any = 0) -> Robin:
     >>> rsym.neumann(rsym.x)
     Robin(coefficient=0, flux=x)
     """
-    return Robin(sp.S.Zero, _value(flux, "the flux"))
+    return Robin(sp.S.Zero, condition_value(flux, "the flux"))
 
 
 def robin(coefficient: Any, flux: Any = 0) -> Robin:
@@ -126,7 +126,7 @@ def robin(coefficient: Any, flux: Any = 0) -> Robin:
     >>> rsym.robin(2, 1)
     Robin(coefficient=2, flux=1)
     """
-    return Robin(_value(coefficient, "the coefficient"), _value(flux, "the flux"))
+    return Robin(condition_value(coefficient, "the coefficient"), condition_value(flux, "the flux"))
 
 
 def constant() -> UnknownLevel:
@@ -160,7 +160,7 @@ def clamped(value: Any = 0, slope: Any = 0) -> Clamped:
     >>> rsym.clamped()
     Clamped(value=0, slope=0)
     """
-    return Clamped(_value(value, "the value"), _value(slope, "the slope"))
+    return Clamped(condition_value(value, "the value"), condition_value(slope, "the slope"))
 
 
 def supported(value: Any = 0) -> Supported:
@@ -182,7 +182,7 @@ def supported(value: Any = 0) -> Supported:
     >>> rsym.supported()
     Supported(value=0)
     """
-    return Supported(_value(value, "the value"))
+    return Supported(condition_value(value, "the value"))
 
 
 def as_condition(given: Any) -> BoundaryCondition:
@@ -196,7 +196,14 @@ def as_condition(given: Any) -> BoundaryCondition:
     return given if isinstance(given, BoundaryCondition) else dirichlet(given)
 
 
-def _value(given: Any, what: str) -> Value:
+def condition_value(given: Any, what: str) -> Value:
+    """What stands in a condition, checked: a function stays one, a number or an expression becomes SymPy's.
+
+    Examples
+    --------
+    >>> condition_value(0.5, "the value")
+    1/2
+    """
     # A symbol is callable, a class of SymPy functions too.
     if isinstance(given, Equation) or (callable(given) and not isinstance(given, sp.Basic | type)):
         return given

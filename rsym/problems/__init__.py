@@ -10,8 +10,10 @@ A shape with named parts comes in, and conditions by the names of these; functio
   SymPy, as its coefficients
 - `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
-- `corners/`: what solutions have at corners; `problem`: a problem and what its solution is made of
-- `galerkin`: the system of a problem; `refinement`: until its error is small; `printed`: a solution
-  as an expression; `solution`: what comes out
-- `solving`, `spectra`, `torsion`, `elastic`: what is asked; `stated`: what a model file asks
+- `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
+  solution is made of
+- `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small;
+  `printed`: a solution as an expression; `solution`: what comes out
+- `solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane; `stated`: what a
+  model file asks
 """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from types import EllipsisType
 from typing import Any, TypeAlias
 
@@ -81,12 +81,14 @@ def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:
     return tuple(chosen)
 
 
-def given_by_name(shape: Shape, conditions: Any) -> dict[Name, BoundaryCondition]:
-    """The conditions by name, symbols checked."""
+def given_by_name(
+    shape: Shape, conditions: Any, read: Callable[[Any], BoundaryCondition] = as_condition
+) -> dict[Name, BoundaryCondition]:
+    """The conditions by name, symbols checked; `read` makes one of what is given."""
     if not isinstance(conditions, Mapping):
         conditions = {...: conditions}
     known = {*(symbol.name for symbol in shape.coordinates), *shape.letters}
-    given = {name: as_condition(value) for name, value in conditions.items()}
+    given = {name: read(value) for name, value in conditions.items()}
     for name, condition in given.items():
         formulas = [value for value in condition.values if isinstance(value, sp.Expr)]
         for symbol in symbols_of(*formulas):

@@ -17,6 +17,7 @@ from scipy import sparse
 from rsym.analysis.conditions import Robin
 from rsym.arrays import Floats
 from rsym.errors import RsymError
+from rsym.problems.plates import bending
 from rsym.problems.problem import Problem, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
@@ -89,18 +90,14 @@ class Discretisation:
         self._require_elliptic(values, points)
         form = np.zeros((len(points), self.kinds, self.kinds))
         for i in range(dimension):
-            form[:, 1 + i, 0] = 0.0
             form[:, 0, 1 + i] = weights * values[f"b{i}"]
             for j in range(dimension):
                 form[:, 1 + i, 1 + j] = weights * values[f"a{i}{j}"]
         form[:, 0, 0] = weights * values["c"]
         if self.problem.order == 2:
-            second = [
-                1 + dimension + k for k, index in enumerate(derivatives(dimension, 2)[1 + dimension :]) if 2 in index
-            ]
-            for i in second:
-                for j in second:
-                    form[:, i, j] = weights * values["d"]
+            second = slice(1 + dimension, None)
+            work = bending(dimension, self.problem.poisson)
+            form[:, second, second] = (weights * values["d"])[:, None, None] * work
         return form
 
     def load_form(self, some: slice, points: Floats) -> Floats:

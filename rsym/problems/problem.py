@@ -47,6 +47,7 @@ class Problem:
     levels : the leaves of the parts at unknown levels, one part after the other.
     flows : what flows into each of these parts, nothing by default.
     corners : functions of corners.
+    poisson : Poisson's ratio of a plate, where it matters.
     """
 
     shape: Shape
@@ -57,6 +58,7 @@ class Problem:
     levels: tuple[tuple[int, ...], ...] = ()
     flows: tuple[float, ...] = ()
     corners: tuple[SingularFunctions, ...] = ()
+    poisson: float | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again."""

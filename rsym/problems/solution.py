@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -13,14 +12,13 @@ import sympy as sp
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
-from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
-from rsym.problems.conditions import assigned
 from rsym.problems.galerkin import Discretisation
+from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, on_part, vanished, with_corners
+from rsym.problems.problem import Problem, on_part, with_corners
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -30,11 +28,8 @@ from rsym.reports.document import Document, Sentence, Tabular, numerical
 from rsym.reports.numbers import short
 from rsym.reports.render import Report
 from rsym.reports.words import plural
-from rsym.sampling.extent import extent
-from rsym.sampling.rules.quadrature import Quadrature, quadrature
+from rsym.sampling.rules.quadrature import Quadrature
 
-# Of the size of the shape: points of the boundary are known to rounding.
-ON_BOUNDARY = 1e-12
 AT_ONCE = 1 << 18  # points
 NEWTON_STEPS = 8
 # The rule has so many points more than the degree along each direction of a cell.
@@ -188,6 +183,13 @@ class Solution:
         """The gradient (..., dimension) at points."""
         return np.moveaxis(self._field(coordinates, 1)[1:], 0, -1)
 
+    def hessian(self, *coordinates: ArrayLike) -> Any:
+        """The second derivatives (..., dimension, dimension) at points: of a plate, its curvatures."""
+        found, n = self._field(coordinates, 2), self.problem.dimension
+        every = derivatives(n, 2)
+        places = [[every.index(tuple((k == i) + (k == j) for k in range(n))) for j in range(n)] for i in range(n)]
+        return np.moveaxis(found[np.array(places)], (0, 1), (-2, -1))
+
     def laplacian(self, *coordinates: ArrayLike) -> Any:
         """The Laplacian at points; about an axis that of the body in space."""
         found = self._field(coordinates, 2)
@@ -212,27 +214,11 @@ class Solution:
         return {"value": parts[0], "gradient": np.moveaxis(parts[1:], 0, -1)}
 
     def _field(self, coordinates: tuple[ArrayLike, ...], order: int) -> Floats:
-        if len(coordinates) != self.problem.dimension:
-            raise RsymError(
-                f"a field on this shape takes {self.problem.dimension} coordinates, got {len(coordinates)}",
-                code="arity",
-            )
-        arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
-        points = np.stack([array.ravel() for array in arrays], axis=1)
-        found = np.full((len(derivatives(self.problem.dimension, order)), len(points)), np.nan)
-        inside = self.inside(points)
-        found[:, inside] = self.jets(points[inside], order)
-        return found.reshape(-1, *arrays[0].shape)
+        return on_shape(self.shape, self.splines, coordinates, lambda points: self.jets(points, order))
 
     def inside(self, points: Floats) -> Flags:
         """Which points (n, dimension) belong to the shape, those of the boundary to rounding."""
-        kernel = compile(self.shape, ("value", "gradient"), at_corners="one-sided")
-        found = kernel(*points.T)
-        size = float(np.max(self.splines.size * self.splines.counts))
-        with np.errstate(all="ignore"):
-            near = found["value"] >= -ON_BOUNDARY * size * np.linalg.norm(found["gradient"], axis=-1)
-        inside: Flags = ((found["value"] >= 0) | near) & (self.splines.cell_of(points) >= 0)
-        return inside
+        return inside(self.shape, self.splines, points)
 
     # -- numbers -----------------------------------------------------------------------------------------------------
 
@@ -334,21 +320,8 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
-    """The rule of integration of a problem."""
-    box = problem.shape.bounds
-    with suppress(RsymError):
-        found = extent(problem.shape)
-        # Bounds with room beside the shape would be cells without it.
-        if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
-            box = found
-    near = [one.corner.point for one in problem.corners] or None
-    rule = quadrature(problem.shape, cells=cells, order=order, bounds=box, near=near)
-    names = assigned(problem.shape, list(problem.named))
-    there = {names[leaf] for leaf in np.unique(rule.boundary.leaves) if leaf < len(names)}
-    for name in problem.named:
-        if isinstance(name, str) and name not in there:
-            raise vanished(name)
-    return rule
+    """The rule of integration of a problem, graded towards corners that have functions of their own."""
+    return rule_on(problem.shape, problem.named, cells, order, [one.corner.point for one in problem.corners])
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported, UnknownLevel
+from rsym.analysis.conditions import Dirichlet, Robin, UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
@@ -19,6 +19,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
 from rsym.problems.loops import holes
+from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
@@ -35,6 +36,7 @@ def solve(
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
+    poisson: float | None = None,
     corners: bool = True,
     progress: Progress | None = None,
 ) -> Solution:
@@ -49,7 +51,8 @@ def solve(
         SymPy equation in ``sympy.Function("u")(x, y)``. Text is read by a parser of its own and never run.
     conditions : mapping, or one condition for all of the boundary
         Names of parts to a value, an expression, ``rsym.robin(c, h)``, ``rsym.neumann(h)``, ``rsym.constant()``;
-        the key ``...`` is the rest. Where nothing is said nothing flows.
+        the key ``...`` is the rest. Where nothing is said nothing flows. Plates, "bilaplacian(u) = q/D", have
+        ``rsym.clamped()`` and ``rsym.supported()``; where nothing is said they are free.
     degree : int
         Of the splines, 1 to 6.
     cells : int, optional
@@ -63,6 +66,8 @@ def solve(
     axis : coordinate, optional
         The shape in the plane is half the section of a body of revolution about this axis; u does not depend on the
         angle, and operators are those of space.
+    poisson : float, optional
+        Poisson's ratio of a plate; it matters on edges that are free, or supported and curved.
     corners : bool
         Whether functions of their own are added at corners of a shape in the plane where solutions are singular; an
         equation that diffuses differently in different directions has none.
@@ -93,7 +98,7 @@ def solve(
     >>> abs(u(0, 1) - 0.6931471805599453) < 1e-6
     np.True_
     """
-    problem = problem_of(shape, equation, conditions, letters=letters, axis=axis)
+    problem = problem_of(shape, equation, conditions, letters=letters, axis=axis, poisson=poisson)
     problem = with_corners(problem) if corners else problem
     checked_degree(degree)
     if cells is not None:
@@ -125,11 +130,32 @@ def problem_of(
     *,
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
+    poisson: float | None = None,
     single: bool = True,
 ) -> Problem:
     """The data of a problem, checked; `single`: whether it must have one answer."""
     require_shape(shape)
-    named, numbers = {}, {}
+    shape, named = lettered(shape, letters)
+    found = equation_of(equation, shape.coordinates, named)
+    turned = -1
+    if axis is not None:
+        if shape.dimension != 2:
+            raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
+        turned = coordinate(axis, shape.coordinates, "the axis")
+    on_leaves = resolved(shape, conditions)
+    unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
+    made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
+    made = replace(made, poisson=checked_ratio(poisson))
+    require_edges(made, single=single)
+    if single and made.order == 1:
+        _require_single(made)
+    return made
+
+
+def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, dict[str, Any]]:
+    """The shape at values of its letters, with those of other names, and what names stand for that are no numbers."""
+    named: dict[str, Any] = {}
+    numbers: dict[str, Any] = {}
     for key, value in (letters or {}).items():
         name = str(key)
         is_number = isinstance(value, int | float | Fraction | sp.Number | Letter)
@@ -143,40 +169,12 @@ def problem_of(
     shape = shape.replace(letters={**{n: v for n, v in numbers.items() if n not in shape.letters}, **shape.letters})
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
-    found = equation_of(equation, shape.coordinates, named)
-    turned = -1
-    if axis is not None:
-        if shape.dimension != 2:
-            raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
-        turned = coordinate(axis, shape.coordinates, "the axis")
-    on_leaves = resolved(shape, conditions)
-    unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
-    made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
-    _require_fitting(made)
-    if single:
-        _require_single(made)
-    return made
-
-
-def _require_fitting(problem: Problem) -> None:
-    """Refuse conditions of another order than the equation's."""
-    if problem.order == 1 and problem.leaves(Clamped):
-        raise RsymError(
-            "rsym.clamped() gives a value and a slope, one too many for an equation of the second order",
-            code="condition",
-            remedy="give a value, rsym.neumann or rsym.robin; or an equation with bilaplacian(u)",
-        )
-    if problem.order == 2 and any(any(problem.conditions[leaf].values) for leaf in problem.leaves(Robin)):  # type: ignore[union-attr]
-        raise RsymError(
-            "conditions on du/dn alone are none of a plate",
-            code="condition",
-            remedy="rsym.clamped(), rsym.supported(), or nothing for a free edge",
-        )
+    return shape, named
 
 
 def _require_single(problem: Problem) -> None:
     """Refuse a problem whose solutions differ by constants."""
-    fixed = problem.leaves(Dirichlet, Clamped, Supported)
+    fixed = problem.leaves(Dirichlet)
     lossy = [
         leaf
         for leaf in problem.leaves(Robin)

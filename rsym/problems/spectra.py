@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 from scipy import sparse
 
-from rsym.analysis.conditions import Dirichlet
+from rsym.analysis.conditions import Clamped, Dirichlet
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
@@ -38,6 +38,8 @@ class Spectrum:
         Functions of the coordinates; the sign of each is such that its largest value is positive.
     grades : tuple
         The refinement, of which the last estimate is a share of each eigenvalue.
+    mass
+        As it was given.
 
     Examples
     --------
@@ -52,11 +54,19 @@ class Spectrum:
     values: Floats
     modes: tuple[Solution, ...]
     grades: tuple[Grade, ...] = ()
+    mass: Any = 1
 
     def __repr__(self) -> str:
         return (
             f"<Spectrum of {plural(len(self.values), 'eigenvalue')} from {self.values[0]:.6g} to {self.values[-1]:.6g}>"
         )
+
+    def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
+        """The same for other letters, with the same cells and degree: nothing is compiled."""
+        problem, report = self.modes[0].problem, self.modes[0].report
+        other = replace(problem, shape=problem.shape.with_letters(values), corners=())
+        other = with_corners(other) if problem.corners else other
+        return _spectrum(other, report.cells, report.degree, len(self.values), self.mass)
 
 
 def modes(
@@ -71,6 +81,7 @@ def modes(
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
+    poisson: float | None = None,
     corners: bool = True,
     progress: Progress | None = None,
 ) -> Spectrum:
@@ -88,8 +99,9 @@ def modes(
         m; of a mapping of names of parts that on these parts of the boundary, none inside: sloshing has
         ``{"surface": 1}``.
     equation : text or SymPy
-        Its operator is L; ``"bilaplacian(u) = 0"`` for plates.
-    degree, cells, tolerance, letters, axis, corners, progress
+        Its operator is L; ``"bilaplacian(u) = 0"`` for plates, with
+        conditions.
+    degree, cells, tolerance, letters, axis, poisson, corners, progress
         As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
 
     Raises
@@ -107,9 +119,8 @@ def modes(
     """
     whole(count, "the number of modes", 1)
     checked_degree(degree)
-    problem = problem_of(
-        shape, equation, 0 if conditions is None else conditions, letters=letters, axis=axis, single=False
-    )
+    given = 0 if conditions is None else conditions
+    problem = problem_of(shape, equation, given, letters=letters, axis=axis, poisson=poisson, single=False)
     problem = with_corners(problem) if corners else problem
     if problem.lift_expression != 0 or not problem.equation.symmetric:
         raise RsymError(
@@ -136,9 +147,9 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
     stiffness, masses = discrete.matrix, _masses(discrete, mass)
     if count >= stiffness.shape[0] - 1:
         raise RsymError(f"{count} modes of {stiffness.shape[0]} unknowns", code="cells", remedy="ask for more cells")
-    # Where constants are modes the stiffness alone has no factors.
+    # Where constants, or rigid motions of a plate, are modes the stiffness alone has no factors.
     grid = rule.grid
-    free = not problem.leaves(Dirichlet)
+    free = not problem.leaves(Dirichlet, Clamped)
     shift = -1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order if free else 0.0
     values, vectors = eigenpairs(stiffness, masses, count, shift)
     inner = discrete.splines.extension.shape[1]
@@ -168,7 +179,7 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
         if sampled[np.argmax(np.abs(sampled))] < 0:
             one = replace(one, coefficients=-one.coefficients, others=-one.others)
         found.append(with_rule(one, rule))
-    return Spectrum(values, tuple(found))
+    return Spectrum(values, tuple(found), mass=mass)
 
 
 def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:

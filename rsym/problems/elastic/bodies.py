@@ -1,0 +1,182 @@
+"""An elastic body in the plane: its shape, what it is made of, what holds and what loads it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from rsym.analysis.conditions import BoundaryCondition, Dirichlet, Value, dirichlet
+from rsym.arrays import Floats
+from rsym.errors import RsymError
+from rsym.logic.sign_form import SignForm, shape_form
+from rsym.logic.weights import weight
+from rsym.model.shape import Shape
+from rsym.model.wording import listing
+from rsym.problems.conditions import Name, assigned
+from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
+from rsym.problems.equations import equation_of
+from rsym.problems.pointwise import PointFormulas, compiled, with_derivatives
+from rsym.problems.problem import Problem, value_at
+from rsym.program.differentiation import derivative
+
+STRESS, STRAIN = "stress", "strain"
+Held = Mapping[Name, tuple[int, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticBody:
+    """A shape with Young's modulus, Poisson's ratio, forces on a volume, and conditions by the names of parts.
+
+    plane : "stress" for a thin plate, "strain" for a long body that cannot become longer.
+    """
+
+    shape: Shape
+    named: Mapping[Name, BoundaryCondition]
+    young: Value
+    poisson: Value
+    loads: tuple[Value, ...]
+    plane: str
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What was compiled on the way is made again."""
+        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
+
+    @cached_property
+    def form(self) -> SignForm:
+        """The sign form of the shape."""
+        return shape_form(self.shape)
+
+    @cached_property
+    def names(self) -> tuple[Name, ...]:
+        """Which of the names with conditions each leaf goes by."""
+        return assigned(self.shape, self.named)
+
+    def condition(self, leaf: int) -> BoundaryCondition | None:
+        """That on a leaf."""
+        return self.named.get(self.names[leaf])
+
+    @cached_property
+    def held(self) -> tuple[Held, ...]:
+        """Along each coordinate the leaves whose displacement is given, by the names of the parts."""
+        found: list[dict[Name, tuple[int, ...]]] = [{} for _ in self.shape.coordinates]
+        for leaf, name in enumerate(self.names):
+            for axis in self._held_along(leaf):
+                found[axis][name] = (*found[axis].get(name, ()), leaf)
+        return tuple(found)
+
+    def _held_along(self, leaf: int) -> list[int]:
+        condition, axes = self.condition(leaf), range(len(self.shape.coordinates))
+        if isinstance(condition, Fixed):
+            return list(axes)
+        if isinstance(condition, Displaced):
+            return [self._axis(name) for name, _ in condition.components]
+        if not isinstance(condition, Roller):
+            return []
+        b = self.form.builder
+        across = [axis for axis in axes if derivative(b, self.form.leaves[leaf], b.coordinates[axis]) != b.const(0)]
+        if len(across) != 1:
+            raise RsymError(
+                f"the rollers on {self._called(leaf)} are on a part that is not straight along an axis",
+                code="condition",
+                remedy="turn the shape so that the part is parallel to an axis, or give a displacement",
+            )
+        return across
+
+    def _axis(self, name: str) -> int:
+        known = [symbol.name for symbol in self.shape.coordinates]
+        if name not in known:
+            raise RsymError(
+                f"a displacement along {name!r} is given, the coordinates are {listing(known)}", code="condition"
+            )
+        return known.index(name)
+
+    def _called(self, leaf: int) -> str:
+        name = self.names[leaf]
+        return "the rest" if name is ... else repr(name)
+
+    @cached_property
+    def problems(self) -> tuple[Problem, ...]:
+        """Of each displacement the problem whose weight and lift are its own; the equation in it is not asked."""
+        equation, found = equation_of("-laplacian(u) = 0", self.shape.coordinates), []
+        for axis, held in enumerate(self.held):
+            given = {name: self._given(name, axis) for name in held}
+            if any(condition.value != 0 for condition in given.values()):
+                for name, leaves in held.items():
+                    self._require_whole(name, leaves, axis)
+            kept = {leaf for leaves in held.values() for leaf in leaves}
+            on_leaves = [given[name] if leaf in kept else None for leaf, name in enumerate(self.names)]
+            found.append(Problem(self.shape, equation, given, tuple(on_leaves)))
+        return tuple(found)
+
+    def _require_whole(self, name: Name, leaves: tuple[int, ...], axis: int) -> None:
+        if len(leaves) != self.names.count(name):
+            raise RsymError(
+                f"of {'the rest' if name is ... else repr(name)} only some sides are held along "
+                f"{self.shape.coordinates[axis]}, and other parts are displaced",
+                code="condition",
+                remedy="name the sides apart",
+            )
+
+    def _given(self, name: Name, axis: int) -> Dirichlet:
+        condition = self.named[name]
+        if isinstance(condition, Displaced):
+            return dirichlet({self._axis(one): value for one, value in condition.components}[axis])
+        return Dirichlet(sp.S.Zero)
+
+    def _jets(self, node: int) -> PointFormulas:
+        b = self.form.builder
+        return compiled(self.shape, b, with_derivatives(b, {"": node}, b.coordinates, 1))
+
+    @cached_property
+    def shares(self) -> tuple[Mapping[Name, Callable[[Floats], Floats]], ...]:
+        """Along each coordinate, of each part that is held, the derivatives of a function that is 1 there, 0 on others.
+
+        (1/w_i)/(sum of 1/w_j), w_i the weights of the parts: they are 1 together.
+        """
+        b, found = self.form.builder, []
+        for held in self.held:
+            made = {name: weight(self.form, leaves) for name, leaves in held.items()}
+            weights = {name: node for name, node in made.items() if node is not None}
+            others = {
+                name: reduce(b.mul, [w for other, w in weights.items() if other != name], b.const(1)) for name in held
+            }
+            total = reduce(b.add, others.values(), b.const(0))
+            found.append({name: self._jets(b.div(node, total)) for name, node in others.items()})
+        return tuple(found)
+
+    def moduli(self, points: Floats) -> tuple[Floats, Floats]:
+        """Lame's numbers at points, in plane stress with the first such that the stresses in the plane are right."""
+        young, poisson = (value_at(self.shape, value, points) for value in (self.young, self.poisson))
+        most = 0.5
+        wrong = ~(young > 0) | ~(poisson > -1)
+        wrong |= ~(poisson < most) if self.plane == STRAIN else ~(poisson <= most)
+        if wrong.any():
+            k = int(np.argmax(wrong))
+            place = ", ".join(f"{value:.4g}" for value in points[k])
+            raise RsymError(
+                f"at ({place}) Young's modulus is {young[k]:.6g} and Poisson's ratio {poisson[k]:.6g}",
+                code="material",
+                remedy="young > 0 and -1 < poisson < 0.5",
+            )
+        shear = young / (2 * (1 + poisson))
+        if self.plane == STRAIN:
+            return young * poisson / ((1 + poisson) * (1 - 2 * poisson)), shear
+        return young * poisson / (1 - poisson**2), shear
+
+    def traction(self, leaf: int, points: Floats, normals: Floats) -> Floats | None:
+        """The force (2, n) on an area at points of a leaf; None where none is given."""
+        condition = self.condition(leaf)
+        if isinstance(condition, Pressure):
+            return -value_at(self.shape, condition.pressure, points) * normals.T
+        if isinstance(condition, Traction):
+            return np.array([value_at(self.shape, value, points) for value in condition.force])
+        return None
+
+    def load(self, points: Floats) -> Floats:
+        """The force (2, n) on a volume."""
+        return np.array([value_at(self.shape, value, points) for value in self.loads])

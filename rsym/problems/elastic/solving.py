@@ -1,0 +1,132 @@
+"""Elastic bodies in the plane: the public `elasticity`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rsym.analysis.conditions import condition_value
+from rsym.errors import RsymError
+from rsym.model.arguments import whole
+from rsym.model.requirements import require_mapping, require_shape
+from rsym.model.shape import Shape
+from rsym.problems.conditions import given_by_name
+from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody
+from rsym.problems.elastic.result import ElasticSolution, in_equilibrium
+from rsym.problems.elastic.supports import EXAMPLES, as_support, vector
+from rsym.problems.places import rule_on
+from rsym.problems.refinement import refined
+from rsym.problems.solution import MORE_POINTS
+from rsym.problems.solving import checked_degree, lettered
+from rsym.sampling.progress import Progress
+
+
+def elasticity(
+    shape: Shape,
+    conditions: Mapping[Any, Any],
+    *,
+    young: Any = None,
+    poisson: Any = None,
+    loads: Any = (0, 0),
+    plane: str = STRESS,
+    degree: int = 4,
+    cells: int | None = None,
+    tolerance: float | None = None,
+    letters: Mapping[Any, Any] | None = None,
+    progress: Progress | None = None,
+) -> ElasticSolution:
+    """The displacements and stresses of an elastic body in the plane, of thickness 1, strains being small.
+
+    div sigma + f = 0,  sigma = lambda*tr(eps)*I + 2*mu*eps,  eps = (grad u + grad u^T)/2.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane, bounded; its parts have names, by ``shape.named(name)``.
+    conditions : mapping
+        Names of parts to ``rsym.fixed()``, or 0; ``{"x": 0.1}``, a displacement along some coordinates, the others
+        free; ``rsym.roller()`` for straight parts along an axis, planes of symmetry among them; ``rsym.traction((0,
+        -1))``; ``rsym.pressure(2)``; the key ``...`` is the rest. Where nothing is said no force acts.
+    young, poisson : number, expression, Shape or function
+        Young's modulus and Poisson's ratio: both must be given.
+    loads : sequence
+        The force on a volume, along each coordinate.
+    plane : "stress" or "strain"
+        A thin plate, free across the plane, or a long body that cannot become longer.
+    degree, cells, tolerance, letters, progress
+        As in `solve`; the estimate is that of displacements, as a share of the largest one.
+
+    Returns
+    -------
+    ElasticSolution
+        Displacements, which are exact where they are given, strains, stresses, reactions.
+
+    Raises
+    ------
+    RsymError
+        For a body that may move without being strained, an unknown part, a material that is none, too few cells.
+
+    Warns
+    -----
+    RsymWarning
+        Where the tolerance is not reached.
+
+    Examples
+    --------
+    A quarter of a thick ring under pressure inside; on its inner side the stress along the circle is 5/3.
+
+    >>> import rsym
+    >>> ring = rsym.disc(2) - rsym.disc(1).named("bore")
+    >>> quarter = ring & rsym.half_plane((1, 0), 0).named("left") & rsym.half_plane((0, 1), 0).named("below")
+    >>> conditions = {"bore": rsym.pressure(1), "left": rsym.roller(), "below": rsym.roller()}
+    >>> found = rsym.elasticity(quarter, conditions, young=1, poisson=0.3, cells=24)
+    >>> bool(abs(found.stress(1, 0).yy - 5 / 3) < 1e-4)
+    True
+    """
+    require_shape(shape)
+    if shape.dimension != 2:
+        raise RsymError("elastic bodies are in the plane", code="dimension", remedy="give a section of the body")
+    require_mapping(conditions, "condition", EXAMPLES)
+    if plane not in (STRESS, STRAIN):
+        raise RsymError(f'plane is "{STRESS}" or "{STRAIN}", got {plane!r}', code="plane")
+    if young is None or poisson is None:
+        raise RsymError(
+            "Young's modulus and Poisson's ratio of the body are not given",
+            code="material",
+            remedy="for steel, in N and mm, young=210e3, poisson=0.3",
+        )
+    checked_degree(degree)
+    shape, _ = lettered(shape, letters)
+    material = condition_value(young, "Young's modulus"), condition_value(poisson, "Poisson's ratio")
+    body = ElasticBody(
+        shape, given_by_name(shape, conditions, as_support), *material, vector(loads, "a force on a volume"), plane
+    )
+    if cells is not None:
+        whole(cells, "the cells", 1)
+        return in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
+
+    def attempt(cells: int, degree: int) -> tuple[ElasticSolution, int, float]:
+        made = in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
+        return made, made.report.unknowns, _estimated(made)
+
+    found, grades = refined(attempt, 2, degree, tolerance, progress)
+    told = replace(found, report=replace(found.report, estimate=grades[-1].estimate, grades=grades))
+    told.__dict__["rule"] = found.rule
+    return told
+
+
+def _estimated(found: ElasticSolution) -> float:
+    """How far one degree less is away, in the root of the mean square, as a share of the largest displacement."""
+    rule, degree = found.rule, found.report.degree - 1
+    if degree < 1:
+        return np.inf
+    lower = in_equilibrium(found.body, rule, found.report.cells, degree)
+    values, others = (one.jets(rule.points)[:, 0] for one in (found, lower))
+    largest = float(np.sqrt(np.max(np.sum(values**2, axis=0))))
+    if largest == 0:
+        return 0.0
+    apart = np.sum((values - others) ** 2, axis=0)
+    return float(np.sqrt(np.sum(rule.weights * apart) / np.sum(rule.weights)) / largest)

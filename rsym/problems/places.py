@@ -1,0 +1,69 @@
+"""Where fields on shapes are known: the rule of a shape, and which points belong to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from contextlib import suppress
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rsym.arrays import Flags, Floats
+from rsym.backends.kernel import compile
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+from rsym.problems.conditions import Name, assigned
+from rsym.problems.problem import vanished
+from rsym.problems.splines.web import WebSplines
+from rsym.sampling.extent import extent
+from rsym.sampling.rules.quadrature import Quadrature, quadrature
+
+# Of the size of the shape: points of the boundary are known to rounding.
+ON_BOUNDARY = 1e-12
+
+
+def rule_on(
+    shape: Shape, names: Collection[Name], cells: int, order: int, near: Sequence[Sequence[float]] = ()
+) -> Quadrature:
+    """The rule of a problem with conditions on parts of these names, its cells graded towards some points."""
+    box = shape.bounds
+    with suppress(RsymError):
+        found = extent(shape)
+        # Bounds with room beside the shape would be cells without it.
+        if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
+            box = found
+    rule = quadrature(shape, cells=cells, order=order, bounds=box, near=near or None)
+    on_leaves = assigned(shape, list(names))
+    there = {on_leaves[leaf] for leaf in np.unique(rule.boundary.leaves) if leaf < len(on_leaves)}
+    for name in names:
+        if isinstance(name, str) and name not in there:
+            raise vanished(name)
+    return rule
+
+
+def inside(shape: Shape, splines: WebSplines, points: Floats) -> Flags:
+    """Which points (n, dimension) belong to a shape, those of the boundary to rounding."""
+    kernel = compile(shape, ("value", "gradient"), at_corners="one-sided")
+    found = kernel(*points.T)
+    size = float(np.max(splines.size * splines.counts))
+    with np.errstate(all="ignore"):
+        near = found["value"] >= -ON_BOUNDARY * size * np.linalg.norm(found["gradient"], axis=-1)
+    there: Flags = ((found["value"] >= 0) | near) & (splines.cell_of(points) >= 0)
+    return there
+
+
+def on_shape(
+    shape: Shape, splines: WebSplines, coordinates: tuple[ArrayLike, ...], field: Callable[[Floats], Floats]
+) -> Floats:
+    """Functions (m, n) of points (n, dimension) where coordinates, which broadcast, say: (m, ...), NaN outside."""
+    if len(coordinates) != shape.dimension:
+        raise RsymError(
+            f"a field on this shape takes {shape.dimension} coordinates, got {len(coordinates)}", code="arity"
+        )
+    arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
+    points = np.stack([array.ravel() for array in arrays], axis=1)
+    there = inside(shape, splines, points)
+    values = field(points[there])
+    found = np.full((len(values), len(points)), np.nan)
+    found[:, there] = values
+    return found.reshape(-1, *arrays[0].shape)
