@@ -77,7 +77,17 @@ class Deformation:
 
     def von_mises(self, *coordinates: ArrayLike) -> Any:
         """Von Mises' equivalent stress at points."""
-        sx, sy, shear = np.moveaxis(self.stress(*coordinates), -1, 0)
+        return self._equivalent(np.moveaxis(self.stress(*coordinates), -1, 0))
+
+    def sampled(self, *coordinates: ArrayLike) -> dict[str, Floats]:
+        """Displacements and von Mises' stress, for pictures: also beside the shape, in the cells that it touches."""
+        found = [one.sampled(*coordinates) for one in self.components]
+        slopes = np.stack([np.moveaxis(one["gradient"], -1, 0) for one in found])
+        displaced = np.stack([one["value"] for one in found], axis=-1)
+        return {"displacement": displaced, "von_mises": self._equivalent(self._stress(slopes))}
+
+    def _equivalent(self, stress: Floats) -> Any:
+        sx, sy, shear = stress
         across = self.poisson * (sx + sy) if self.strain else 0.0
         return np.sqrt(((sx - sy) ** 2 + (sy - across) ** 2 + (across - sx) ** 2) / 2 + 3 * shear**2)
 
