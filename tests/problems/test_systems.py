@@ -71,6 +71,12 @@ def test_sums_axis_by_axis_are_those_of_points(dimension, order):
             for where in (CellPoints(points, owner, cells, q), CellPoints(points, owner))
         )
         np.testing.assert_allclose(plain.toarray(), other.toarray(), atol=1e-10 * np.abs(other.toarray()).max())
+    even = forms + forms.transpose(0, 2, 1)
+    half, whole = (
+        assembler.matrix(CellPoints(points, owner), lambda some, _: even[some], lambda _: weight, symmetric=symmetric)
+        for symmetric in (True, False)
+    )
+    np.testing.assert_allclose(half.toarray(), whole.toarray(), atol=1e-10 * np.abs(whole.toarray()).max())
     first, second = (
         assembler.loads(where, lambda some, _: loads[some], lambda _: weight, 2)
         for where in (CellPoints(points, owner, cells, q), CellPoints(points, owner))

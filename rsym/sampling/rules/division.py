@@ -27,10 +27,21 @@ GRADED = 28  # levels of division towards a given point
 class BoundedFunctions(Protocol):
     """What divides a cell: functions with bounds."""
 
-    dimension: int
-    tolerance: float
-    gates: Ints | None  # none: every part is wanted, and the functions only part the cells
-    walls: Flags  # of functions that part cells, those that are the boundary's
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+
+    @property
+    def tolerance(self) -> float:
+        """A value up to this is zero to rounding."""
+
+    @property
+    def gates(self) -> Any:
+        """Rows of whole numbers; None: every part is wanted, and the functions only part the cells."""
+
+    @property
+    def walls(self) -> Flags:
+        """Of functions that part cells, which are the boundary's."""
 
     def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
         """From bounds of values the signs of all leaves, the verdict on each piece, and which of its leaves matter.

@@ -9,7 +9,7 @@ is given. Nothing here depends on which functions are asked for together.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -26,7 +26,9 @@ HASTE = 8  # Newton steps before every third one halves the bracket
 class Curves(Protocol):
     """BoundedFunctions of one variable, by their numbers."""
 
-    tolerance: float
+    @property
+    def tolerance(self) -> float:
+        """A value up to this is zero to rounding."""
 
     def evaluate(self, which: Ints, at: Floats) -> tuple[Floats, Floats]:
         """Values and slopes."""
@@ -68,9 +70,8 @@ def isolate(
         take = done & changes
         found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
         going = ~done & ~(np.abs(below) + reach <= tolerance)  # zero all along
-        which, lower, upper, below, above, least, most = (
-            a[going] for a in (which, lower, upper, below, above, least, most)
-        )
+        rest: Any = [a[going] for a in (which, lower, upper, below, above, least, most)]
+        which, lower, upper, below, above, least, most = rest
         if not len(which):
             break
         crowd = np.bincount(which)[which] > MOST
@@ -80,7 +81,8 @@ def isolate(
             take = last & changes
             found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
             double.append((which[last & ~changes], (lower / 2 + upper / 2)[last & ~changes]))
-            which, lower, upper, below, above = (a[~last] for a in (which, lower, upper, below, above))
+            rest = [a[~last] for a in (which, lower, upper, below, above)]
+            which, lower, upper, below, above = rest
             if not len(which):
                 break
         middle = lower / 2 + upper / 2
@@ -119,5 +121,6 @@ def roots(curves: Curves, brackets: Brackets) -> Floats:
         if number >= HASTE and number % 3 == 0:
             following = a / 2 + b / 2
         going = ~done
-        live, which, a, b, x, rising, near = (v[going] for v in (live, which, a, b, following, rising, near))
+        rest: Any = [v[going] for v in (live, which, a, b, following, rising, near)]
+        live, which, a, b, x, rising, near = rest
     return found
