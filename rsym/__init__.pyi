@@ -62,6 +62,7 @@ from .output.atlas import plot_atlas
 from .output.cameras import Camera
 from .output.cards import cards, plot_gallery
 from .output.combs import plot_curvature_comb
+from .output.deformations import plot_deformation
 from .output.designs import plot_designs
 from .output.exchange import to_meshio, to_pyvista, to_trimesh
 from .output.explore import explore, explore_patches
@@ -280,6 +281,7 @@ __all__ = [
     "plot_atlas",
     "plot_continuity",
     "plot_curvature_comb",
+    "plot_deformation",
     "plot_designs",
     "plot_fairness",
     "plot_field",

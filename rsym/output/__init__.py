@@ -8,6 +8,7 @@ interactive.py, viewing.py                         the page that turns; the brow
 exchange.py, dxf.py, models.py, points.py          other packages' meshes; curves; model files, letters; measured points
 looks.py, panels.py, fields.py, sign_pictures.py   level lines: looks, one panel, what users call, several; signs
 boundaries.py, modes.py, torsion.py                solutions: named boundaries, sheets of modes, stress lines
+deformations.py                                    elastic bodies as they are bent, with their stress
 shading.py, rasteriser.py, ink.py                  bodies: light and normals, triangles to pixels, lines
 paints.py, parts.py                                what a surface is painted with: a row per map; parts
 axes3d.py, bodies.py, surfaces.py, gallery.py      three-dimensional axes, bodies on them, a mesh, many of them

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 from matplotlib.figure import Figure
 
@@ -71,9 +73,10 @@ def draw_solved() -> Drawing:
     twisted = torsion(shaft(), cells=CELLS["shaft"], corners=False)
     drum = modes(gear(), COUNT, cells=CELLS["gear"])
     figure = Figure(figsize=(9.6, 9.6), layout="compressed")
-    above, below = figure.subfigures(2, 1, height_ratios=(0.42, 0.58))
+    parts: Any = figure.subfigures(2, 1, height_ratios=(0.42, 0.58))
+    above, below = parts
     left, right = above.subplots(1, 2, width_ratios=(1.35, 1))
-    field = plot_field(heat, ax=left, resolution=RESOLUTION, title="a plate that cools in its holes")
+    field: Any = plot_field(heat, ax=left, resolution=RESOLUTION, title="a plate that cools in its holes")
     stress = plot_torsion(
         twisted, ax=right, resolution=RESOLUTION, title=rf"a twisted shaft, $J = {float(twisted):.4f}$"
     )

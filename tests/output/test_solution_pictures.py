@@ -79,7 +79,21 @@ def test_stress_lines_are_equally_spaced_levels_and_colours_the_stress(ax):
     np.testing.assert_allclose(lines.levels, 0.5 * np.arange(1, 5) / 5, rtol=2e-3)
 
 
-@pytest.mark.parametrize("draw", [rsym.plot_modes, rsym.plot_torsion])
+@pytest.mark.parametrize("draw", [rsym.plot_modes, rsym.plot_torsion, rsym.plot_deformation])
 def test_what_is_no_answer_is_refused(draw):
     with pytest.raises(rsym.RsymError, match="expected"):
         draw(rsym.Shape(1 - x**2 - y**2, (x, y)))
+
+
+def test_a_body_is_drawn_where_its_points_have_come_to(ax):
+    # A ring under the pressure 1 from within, held by its rim: the displacement is radial, a*r + b/r.
+    ring = rsym.elasticity(RING, {"rim": (0, 0)}, poisson=0.3, loads={"bore": 1}, cells=10)
+    artist = rsym.plot_deformation(ring, ax=ax, scale=0.5, resolution=64)
+    rest, bent = (one.get_segments() for one in ax.collections if isinstance(one, LineCollection))
+    (bore,) = [line for line in bent if np.hypot(*line[0]) < 0.9]
+    grown = 0.5 + 0.5 * float(ring(0.5 + 1e-9, 0)[0])
+    np.testing.assert_allclose(np.hypot(*bore.T), grown, atol=1e-3)
+    assert min(np.hypot(*line.T).max() for line in rest) == pytest.approx(0.5, abs=1e-9)
+    assert artist.levels[0] == 0
+    assert artist.levels[-1] == pytest.approx(float(ring.von_mises(0.5 + 1e-9, 0)), rel=0.2)
+    assert ax.get_title() == "displacements × 0.5"

@@ -1,6 +1,7 @@
 """What the README says is what happens."""
 
 import re
+import shlex
 import tomllib
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -346,6 +347,32 @@ def test_models_formats_and_systems_of_the_language_are_those_named():
     for system in ("R0", "R1", "Ralpha 0.5", "R0m 2", "Rp 4"):
         assert system in TEXT
         rsym.loads(f"system {system}; omega = rfAND(x, y)")
+
+
+def test_the_lines_about_fields():
+    space = {}
+    (code,) = [code for code in PYTHON if "rsym.solve(" in code]
+    exec("\n".join([*PYTHON[0].splitlines()[:2], code]), space)
+    heat, shaft = space["heat"], space["shaft"]
+    said = re.search(r"tolist\(\)  # (.*?);", code).group(1)
+    assert str(heat(0, [1.0, 1.5, 0.0]).round(3).tolist()) == said
+    told = re.search(r"5\)  # \((.*?), (.*?)\)", code)
+    values = float(shaft), float(shaft.with_letters({"d": 1.5}))
+    assert_close(np.array(values), np.array([float(told[1]), float(told[2])]), atol=1e-5)
+    assert str(space["drum"].values.round(4).tolist()) in code
+    assert abs(space["found"].area - (18 - 3 * np.pi * 0.36)) < 1e-11
+
+
+@pytest.mark.slow
+def test_the_commands_about_fields(capsys):
+    (model,) = [code for code in PLAIN if code.startswith("% plate.rf")]
+    Path("plate.rf").write_text(model)
+    assert set(rsym.load_problem("plate.rf").conditions) == {"edge", "the bore"}
+    (commands,) = [code for code in PLAIN if code.startswith("rsym solve")]
+    for command in commands.strip().splitlines():
+        assert main([*shlex.split(command)[1:], "--quiet"]) == 0
+    assert all(Path(name).stat().st_size > 20_000 for name in ("field.png", "modes.png", "stresses.png"))
+    assert "Area 16.869" in capsys.readouterr().out
 
 
 def test_the_two_commands_are_there():
