@@ -18,7 +18,7 @@ from rsym.model.requirements import require_kind
 from rsym.output.looks import Look, robust_levels
 from rsym.output.panels import colour_bar
 from rsym.output.pictures import require_axes
-from rsym.problems.elastic import Deformation
+from rsym.problems.elastic.result import ElasticSolution
 from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.plane_leaves import leaves_of
@@ -29,7 +29,7 @@ COLOUR_MAP = "viridis"
 
 
 def plot_deformation(
-    deformation: Deformation,
+    solution: ElasticSolution,
     *,
     ax: Axes | None = None,
     scale: float | None = None,
@@ -43,7 +43,7 @@ def plot_deformation(
 
     Parameters
     ----------
-    deformation : Deformation
+    solution : ElasticSolution
         What `elasticity` answered.
     ax : matplotlib axes, optional
         Where to draw; without it a new figure with a colour bar is made.
@@ -67,20 +67,20 @@ def plot_deformation(
     Raises
     ------
     RsymError
-        For what is no deformation, a body whose outline is open within the bounds, an unknown colour map.
+        For what is no such answer, a body whose outline is open within the bounds, an unknown colour map.
 
     Examples
     --------
     >>> import matplotlib.figure, rsym
     >>> ring = rsym.disc(1).named("rim") - rsym.disc(0.5).named("bore")
-    >>> pressed = rsym.elasticity(ring, {"rim": (0, 0)}, loads={"bore": 1}, cells=8)
+    >>> pressed = rsym.elasticity(ring, {"rim": 0, "bore": rsym.pressure(1)}, young=1, poisson=0.3, cells=8)
     >>> ax = matplotlib.figure.Figure().add_subplot()
     >>> artist = rsym.plot_deformation(pressed, ax=ax, scale=1, resolution=24)
     >>> ax.get_title()
     'displacements × 1'
     """
-    require_kind(Deformation, deformation, "deformation")
-    omega = plane_sampler(deformation.components[0].shape, "value", resolution=resolution, bounds=bounds)
+    require_kind(ElasticSolution, solution, "solution")
+    omega = plane_sampler(solution.shape, "value", resolution=resolution, bounds=bounds)
     leaves = leaves_of(omega.shape, omega.free, omega.fixed, omega.letters, omega.bounds)
     rest = [line for line in outline(omega, leaves)]
     if not rest or not all((line[0] == line[-1]).all() for line in rest):
@@ -88,8 +88,8 @@ def plot_deformation(
             "the outline of the body is not closed", code="open-lines", remedy="widen the bounds until they hold it"
         )
     inside = omega.values() > 0
-    found = deformation.sampled(*omega.lattice.open_axes())
-    moved, stress = found["displacement"], found["von_mises"]
+    axes = omega.lattice.open_axes()
+    moved, stress = solution.displacement(*axes), solution.von_mises(*axes)
     size = max(float(np.ptp(np.concatenate(rest)[:, k])) for k in (0, 1))
     greatest = float(np.nanmax(np.linalg.norm(moved[inside], axis=-1)))
     if scale is None:
@@ -103,7 +103,7 @@ def plot_deformation(
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
     require_axes(ax)
-    bent = [line + scale * deformation.sampled(*line.T)["displacement"] for line in rest]
+    bent = [line + scale * solution.jets(line)[:, 0].T for line in rest]
     artist = _filled(ax, omega.lattice, scale * moved, stress, chosen, look)
     body = Path.make_compound_path(*(Path(line, closed=True) for line in bent))
     clip = PathPatch(body, transform=ax.transData, visible=False)

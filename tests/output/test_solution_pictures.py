@@ -87,7 +87,7 @@ def test_what_is_no_answer_is_refused(draw):
 
 def test_a_body_is_drawn_where_its_points_have_come_to(ax):
     # A ring under the pressure 1 from within, held by its rim: the displacement is radial, a*r + b/r.
-    ring = rsym.elasticity(RING, {"rim": (0, 0)}, poisson=0.3, loads={"bore": 1}, cells=10)
+    ring = rsym.elasticity(RING, {"rim": 0, "bore": rsym.pressure(1)}, young=1, poisson=0.3, cells=10)
     artist = rsym.plot_deformation(ring, ax=ax, scale=0.5, resolution=64)
     rest, bent = (one.get_segments() for one in ax.collections if isinstance(one, LineCollection))
     (bore,) = [line for line in bent if np.hypot(*line[0]) < 0.9]
