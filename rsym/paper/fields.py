@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-import sympy as sp
 from matplotlib.figure import Figure
 
 from rsym.analysis.conditions import robin
+from rsym.language.loading import loads
 from rsym.model.primitives.plane import disc, rectangle
 from rsym.model.shape import Shape
-from rsym.model.symbols import x, y
 from rsym.output.fields import plot_field
 from rsym.output.modes import plot_modes
 from rsym.output.panels import colour_bar
@@ -25,8 +24,18 @@ from rsym.reports.numbers import short
 # A radius of 0.45 in a plate of 6 by 4; what cools in them does it by Newton's law.
 HOLES = tuple((2 * i, 1 if j else -1) for i in (-1, 0, 1) for j in (0, 1))
 LOSS = 2
-WIDTH, DEPTH = 0.44, 0.24  # of the keyway
+DEPTH = 0.24  # of the keyway
+SHAFT = f"""
+letter d = {DEPTH} "depth of the keyway"
+bounds x [-1.1, 1.1] y [-1.1, 1.1]
+omega = difference(disc(1), rectangle(0.44, 2*d, [0, 1]), disc(0.4))
+"""
 TEETH = 10
+# r^10 cos(10 phi), written out.
+GEAR = """
+wave = x^10 - 45*x^8*y^2 + 210*x^6*y^4 - 210*x^4*y^6 + 45*x^2*y^8 - y^10
+rim = (1 - x^2 - y^2)/2 + wave/(4*(1 + (x^2 + y^2)^10)) "rim"
+"""
 COUNT = 6
 CELLS = {"plate": 32, "shaft": 24, "gear": 22}
 RESOLUTION = 300
@@ -40,18 +49,15 @@ EQUATIONS = (
 
 def plate() -> Shape:
     """A plate with six holes; its parts are ``edge`` and ``holes``."""
-    bores = [disc(0.45).translate(*place).named("holes") for place in HOLES]
     made = rectangle(6, 4).named("edge")
-    for bore in bores:
-        made = made - bore
+    for place in HOLES:
+        made = made - disc(0.45).translate(*place).named("holes")
     return made
 
 
 def shaft() -> Shape:
     """The section of a hollow shaft with a keyway, whose depth is the letter ``d``."""
-    d = sp.Symbol("d", real=True)
-    keyway = rectangle(WIDTH, 2 * d, letters={d: DEPTH}).translate(0, 1)
-    return (disc(1) - keyway - disc(0.4)).replace(bounds=((-1.1, 1.1), (-1.1, 1.1)))
+    return loads(SHAFT)
 
 
 def gear() -> Shape:
@@ -62,9 +68,7 @@ def gear() -> Shape:
     >>> gear().contains(1.05, 0), gear().contains(0, 1.05)
     (True, False)
     """
-    whole = sp.expand((x + sp.I * y) ** TEETH)
-    real = sp.Add(*(term for term in whole.args if not term.has(sp.I)))
-    return Shape((1 - x**2 - y**2) / 2 + real / (4 * (1 + (x**2 + y**2) ** TEETH)), (x, y)).named("rim")
+    return loads(GEAR)
 
 
 def draw_solved() -> Drawing:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from html import escape
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,10 +29,13 @@ from rsym.reports.document import Document, Sentence, Tabular, numerical
 from rsym.reports.numbers import short
 from rsym.reports.render import Report
 from rsym.reports.words import plural
+from rsym.sampling.contours import level_lines
 from rsym.sampling.rules.quadrature import Quadrature
+from rsym.sampling.stills import line_picture
 
 AT_ONCE = 1 << 18  # points
 NEWTON_STEPS = 8
+SKETCHED, SKETCH = 6, 72  # level lines in a notebook, on a lattice of so many cells
 # The rule has so many points more than the degree along each direction of a cell.
 MORE_POINTS = 4
 
@@ -139,6 +143,16 @@ class Solution:
     def __repr__(self) -> str:
         cells = " x ".join(map(str, self.splines.counts))
         return f"<Solution of {plural(self.report.unknowns, 'unknown')} on {cells} cells>"
+
+    def _repr_html_(self) -> str:
+        words = escape(repr(self))
+        if self.problem.dimension != 2:
+            return f"<div>{words}</div>"
+        values = self.jets(self.rule.points, 0)[0]
+        levels = np.linspace(values.min(), values.max(), SKETCHED + 2)[1:-1]
+        inner = level_lines(self, levels, resolution=SKETCH) if np.ptp(values) > 0 else ()
+        lines = [*level_lines(self.shape, resolution=SKETCH), *(line for one in inner for line in one)]
+        return f"<div>{line_picture(lines)}<br>{words}</div>"
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled and computed on the way is made again."""

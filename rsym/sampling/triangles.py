@@ -7,22 +7,11 @@ before it: in compiled loops each kind of array that they make takes a tenth of 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-F = TypeVar("F", bound=Callable[..., Any])
-
-try:
-    from rsym.sampling.sharp.loops import loop, step
-except ImportError:
-    # Without numba they run as they stand: 20 microseconds a triangle.
-    def loop(function: F) -> F:
-        """Leave a loop to the interpreter."""
-        return function
-
-    step = loop
+from rsym.sampling.compiled import loop, step
 
 # A triangle this flat, height to longest side, has no direction: float64 knows the corners of a unit body to 1e-16.
 FLAT = 1e-12

@@ -97,3 +97,13 @@ def test_a_body_is_drawn_where_its_points_have_come_to(ax):
     assert artist.levels[0] == 0
     assert artist.levels[-1] == pytest.approx(float(ring.von_mises(0.5 + 1e-9, 0)), rel=0.2)
     assert ax.get_title() == "displacements × 0.5"
+
+
+def test_a_solution_shows_itself_in_a_notebook():
+    u = rsym.solve(RING, "-laplacian(u) = 1", {"rim": 0, "bore": rsym.robin(1)}, cells=8)
+    text = u._repr_html_()
+    assert "<svg" in text
+    assert "&lt;Solution of" in text
+    assert len(text) < 60_000
+    level = rsym.solve(rsym.disc(1), "-laplacian(u) = 0", 1, cells=6)
+    assert "<svg" in level._repr_html_()

@@ -2,27 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.problems.splines.cardinals import derivatives, digits, pieces
 from rsym.problems.splines.web import WebSplines
-
-F = TypeVar("F", bound=Callable[..., Any])
-
-try:
-    from rsym.sampling.sharp.loops import loop as loop
-    from rsym.sampling.sharp.loops import step as step
-except ImportError:
-    # Without numba they run as they stand, slowly.
-    def loop(function: F) -> F:
-        """Leave a loop to the interpreter."""
-        return function
-
-    step = loop
+from rsym.sampling.compiled import loop
 
 
 def jets(splines: WebSplines, coefficients: Floats, points: Floats, order: int) -> Floats:

@@ -10,7 +10,8 @@ from __future__ import annotations
 from typing import Any
 
 from rsym.arrays import Floats, Ints
-from rsym.problems.splines.evaluation import loop, step, tabulate
+from rsym.problems.splines.evaluation import tabulate
+from rsym.sampling.compiled import loop, step
 
 
 @loop

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.sharp.loops import loop
+from rsym.sampling.compiled import loop
 
 INSIDE, OPEN, OUTSIDE = 1, 0, -1
 # A leaf may climb so steeply over the axes across; or as steeply as it likes if its slope along the height changes by

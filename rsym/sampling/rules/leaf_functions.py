@@ -14,6 +14,7 @@ from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, throug
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
+from rsym.sampling.compiled import loop
 from rsym.sampling.kernels.mesher_kernels import (
     MesherKernels,
     backend_for,
@@ -25,7 +26,6 @@ from rsym.sampling.regions.own_leaves import across, unscaled
 from rsym.sampling.regions.region_kernels import region_kernels
 from rsym.sampling.rules.division import CutPieces
 from rsym.sampling.sharp.crossings import CompiledLeaves
-from rsym.sampling.sharp.loops import loop
 
 MOST_CHOICES = 6  # each may double the leaves
 EPSILON = float(np.finfo(np.float64).eps)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Floats, Ints
-from rsym.sampling.sharp.loops import loop
+from rsym.sampling.compiled import loop
 
 
 @dataclass(frozen=True)

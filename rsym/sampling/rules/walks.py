@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.sampling.sharp.loops import loop, step
+from rsym.sampling.compiled import loop, step
 
 ACROSS, BETWEEN, FIRST, LAST = 0, 1, 2, 3  # a line for the inside, or on upright leaves: within a piece, at its ends
 

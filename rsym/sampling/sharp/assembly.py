@@ -75,9 +75,7 @@ class Job:
 
         def claim(corner: Floats, size: int) -> None:
             nonlocal before  # and of boxes that reach beyond this one nothing is foretold
-            own = (
-                np.ones(corner.shape[1], np.bool_) if box is None else inside(corner, box - np.array([[0], [size - 1]]))
-            )
+            own = np.ones(corner.shape[1], np.bool_) if box is None else inside(corner, box - [[0], [size - 1]])
             kept = int(np.count_nonzero(own))
             expected = kept * (size // BLOCK) ** 2 * USUAL_BYTES
             budget.claim(8 * len(own) * BOX_BYTES, expected)
