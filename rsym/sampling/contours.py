@@ -218,7 +218,7 @@ def level_lines(
     Parameters
     ----------
     shape : Shape or Solution
-        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found: lines end with its shape.
+        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found, lines end with it.
     level : float or sequence of float
         The level, or several: the field is compiled and sampled once for all of them.
     field : str

@@ -9,7 +9,7 @@ import numpy as np
 from rsym.arrays import Floats, Ints
 from rsym.problems.splines.cardinals import derivatives, digits, pieces
 from rsym.problems.splines.web import WebSplines
-from rsym.sampling.compiled import loop
+from rsym.sampling.compiled import loop, step
 
 
 def jets(splines: WebSplines, coefficients: Floats, points: Floats, order: int) -> Floats:

@@ -16,13 +16,12 @@ from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.model.equation import checked_bounds
-from rsym.model.requirements import require_count, require_shape
+from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.rules.bases import plane_rule
 from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule
 from rsym.sampling.rules.division import INSIDE, OPEN, Limits, close, divide, undivided
-from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 from rsym.sampling.rules.space import space_rule
 
 ORDER = 8
@@ -217,7 +216,7 @@ def quadrature(
 class Prepared:
     """A shape at letters within bounds, ready for rules; `owner` is the part of each leaf of the functions."""
 
-    functions: LeafFunctions
+    functions: Any
     box: Bounds
     parts: tuple[str, ...]
     owner: Ints
@@ -284,6 +283,10 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
     """A shape within the bounds given, else its own, which cap it, else its extent."""
     require_shape(shape)
     box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
+    optional_package("numba", "a rule of integration")
+    # Without numba the rest of the package can be imported.
+    from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
+
     form = rule_form(shape, box is not None)
     known = extent(shape, letters) if box is None else box
     functions = LeafFunctions(shape, form.form, letters, known)
@@ -317,7 +320,7 @@ class RulePortion:
     unresolved: float
 
 
-def _portion(functions: LeafFunctions, grid: CellGrid, cells: Ints, order: int, near: Floats) -> RulePortion:
+def _portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Floats) -> RulePortion:
     """The rule in some cells."""
     lower, upper = grid.corners(cells)
     found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS[functions.dimension])
