@@ -30,7 +30,7 @@ def part_lines(omega: PlaneSampler) -> dict[str, list[Floats]]:
     --------
     >>> import rsym
     >>> from rsym.sampling.plane import plane_sampler
-    >>> half = rsym.disc(1).named("rim") & rsym.Shape(y, (x, y)).named("edge")
+    >>> half = rsym.disc(1).named("rim") & rsym.half_plane((0, 1), 0).named("edge")
     >>> lines = part_lines(plane_sampler(half, "value", resolution=32))
     >>> [(name, len(pieces)) for name, pieces in lines.items()]
     [('rim', 1), ('edge', 1)]
