@@ -31,6 +31,7 @@ LAYERS = {
     "sampling": {"numpy", "scipy", "skimage", "numba"},
     "verify": {"sympy", "numpy", "scipy", "mpmath", "flint"},
     "surfaces": {"sympy", "numpy", "scipy", "lazy_loader"},
+    "problems": {"sympy", "numpy", "scipy", "flint", "numba"},
     # mpl_toolkits is matplotlib's second package.
     "output": {"sympy", "numpy", "matplotlib", "mpl_toolkits", "trimesh", "plotly", "ipywidgets"},
     "paper": {"numpy", "matplotlib", "lazy_loader"},

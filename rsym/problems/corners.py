@@ -1,0 +1,240 @@
+"""The corners of a plane shape: where two leaves vanish and both bound it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats
+from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import shape_form
+from rsym.model.requirements import require_shape
+from rsym.model.shape import Shape
+from rsym.problems.leaf_boxes import LeafBoxes, leaf_boxes
+from rsym.problems.leaf_jets import leaf_jets
+from rsym.problems.meetings import CommonZero, meetings
+from rsym.problems.sectors import Sector, sectors
+from rsym.sampling.extent import extent
+from rsym.sampling.form_signs import Boxes, grid, halves
+
+STRAIGHT = 1e-6  # radians: what turns less is no corner
+WIDER = 1e-6  # of the bounds: what lies on them is found
+LEAST_STRETCH = 0.1  # leaf coordinates stretch no direction, not even against itself, to less
+NEAR_ENOUGH, FINEST, CALLS, AT_ONCE = 0.02, 1e-7, 200, 256
+
+
+@dataclass(frozen=True)
+class PlaneCorner:
+    """A corner of the boundary, looked at from inside.
+
+    Attributes
+    ----------
+    point : pair of float
+    angle : float
+        Of the inside, between 0 and 2 pi; above pi the corner is re-entrant. At a cusp, where the edges touch, 0 or
+        2 pi.
+    leaves : pair of int
+        The leaves, by their numbers in the sign form, of both edges: counter-clockwise from the first to the second
+        is inside.
+    parts : pair of str
+        What they are called.
+    gradients : pair of pairs of float
+        Those of the leaves, rows of A; both point inside.
+    reach : float
+        Within this distance no other part of the boundary lies, and leaf coordinates are one to one; 0 of a cusp.
+    alone : bool
+        Whether no other sector has its tip there.
+
+    Examples
+    --------
+    >>> corner = PlaneCorner((0.0, 0.0), math.pi / 2, (1, 0), ("y", "x"), ((0.0, 1.0), (1.0, 0.0)), 1.0)
+    >>> corner.edges.round(12).tolist(), corner.is_reentrant, corner.is_cusp
+    ([[1.0, 0.0], [0.0, 1.0]], False, False)
+    """
+
+    point: tuple[float, float]
+    angle: float
+    leaves: tuple[int, int]
+    parts: tuple[str, str]
+    gradients: tuple[tuple[float, float], tuple[float, float]]
+    reach: float
+    alone: bool = True
+
+    @property
+    def is_reentrant(self) -> bool:
+        """Whether the inside is not convex there."""
+        return self.angle > math.pi
+
+    @property
+    def is_cusp(self) -> bool:
+        """Whether both edges leave in one direction."""
+        return self.angle in (0.0, 2 * math.pi)
+
+    @property
+    def edges(self) -> Floats:
+        """The unit directions of both edges, (2, 2)."""
+        p, q = (np.array(slope) / math.hypot(*slope) for slope in self.gradients)
+        return np.array([[p[1], -p[0]], [-q[1], q[0]]]) + 0.0  # no zeros with a sign
+
+
+def corners(shape: Shape, letters: Mapping[Any, float] | None = None, bounds: Any = None) -> tuple[PlaneCorner, ...]:
+    """All corners of the boundary of a plane shape, in the order of their coordinates.
+
+    Boxes are divided until each is proved, up to rounding, to hold no common zero of leaves that matter, or one. What
+    is inside around it follows from gradients, where leaves touch from curvatures. Where leaves go on as each other,
+    and where bounds cut the shape off, there is no corner; one that lies on the bounds is one.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane.
+    letters : mapping, optional
+        Override the defaults.
+    bounds : pairs, optional
+        Where to look: else the bounds of the shape, else its extent.
+
+    Raises
+    ------
+    RsymError
+        ``singular-leaf`` where a leaf itself has a corner, a kink or a double point on the boundary, ``degenerate``
+        where leaves run along each other and cannot be told apart, both with the place; as `extent` without bounds.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> quarters = rsym.conjunction(1 - x**2, 1 - y**2, rsym.disjunction(-x, y))
+    >>> for corner in corners(rsym.Shape(quarters, (x, y))):
+    ...     print(corner.point, round(corner.angle / math.pi, 12), corner.parts)
+    (-1.0, -1.0) 0.5 ('1 - y**2', '1 - x**2')
+    (-1.0, 1.0) 0.5 ('1 - x**2', '1 - y**2')
+    (0.0, -1.0) 0.5 ('-x', '1 - y**2')
+    (0.0, 0.0) 1.5 ('y', '-x')
+    (1.0, 0.0) 0.5 ('1 - x**2', 'y')
+    (1.0, 1.0) 0.5 ('1 - y**2', '1 - x**2')
+    """
+    require_shape(shape)
+    if shape.dimension != 2:
+        raise RsymError(
+            "corners are those of a shape in the plane, got one in space", code="dimension", remedy="take a section"
+        )
+    box = _box(shape, letters, bounds)
+    leaves = leaf_boxes(shape, letters)
+    named = leaf_names(shape_form(shape), shape)
+    found: list[PlaneCorner] = []
+    for meeting in meetings(leaves, box):
+        own = _at(shape, leaves, meeting, letters)
+        met = [_corner(leaves, named, meeting, sector, alone=len(own) == 1) for sector in own]
+        found += [corner for corner in met if corner is not None]
+    size = float(np.hypot(*box.sides[:, 0]))
+    return tuple(corner if corner.is_cusp else replace(corner, reach=_reach(leaves, corner, size)) for corner in found)
+
+
+def _box(shape: Shape, letters: Mapping[Any, float] | None, bounds: Any) -> Boxes:
+    """Where to look."""
+    chosen = shape.replace(bounds=bounds).bounds if bounds is not None else shape.bounds
+    low, high = np.array(extent(shape, letters) if chosen is None else chosen, float).T[:, :, None]
+    return Boxes(low - WIDER * (high - low), high + WIDER * (high - low))
+
+
+def _at(shape: Shape, leaves: LeafBoxes, meeting: CommonZero, letters: Mapping[Any, float] | None) -> list[Sector]:
+    """The sectors inside around a place where leaves meet."""
+    near = leaves.over(Boxes(*(meeting.point[:, None] + side * 4 * meeting.radius for side in (-1, 1))))[..., 0]
+    signs = (near[:, 0, 0] > 0).astype(int) - (near[:, 0, 1] < 0)
+    matter = leaves.matter(near[..., None])[:, 0]
+    if not matter.any():
+        return []
+    met = np.flatnonzero(signs == 0)
+    steady = leaves.steady(near[..., None])[:, 0]
+    for leaf in met[matter[met] & ~steady[met]]:
+        raise RsymError(
+            f"a leaf has a kink or no gradient there: {leaf_names(shape_form(shape), shape)[leaf]}",
+            code="singular-leaf",
+            where=f"({meeting.point[0]:.10g}, {meeting.point[1]:.10g})",
+            remedy="join the parts that meet there by R-operations, so that each has a formula of its own",
+        )
+    met = met[steady[met]]
+    gradients = {leaf: near[leaf, 1:].mean(axis=1) for leaf in met.tolist()}
+    hessians = dict.fromkeys(gradients, np.zeros(3))
+    if meeting.touching:
+        found = leaf_jets(shape, tuple(gradients), letters).at(meeting.point[None])
+        hessians = dict(zip(gradients, found[:, 3:, 0], strict=True))
+    return sectors(leaves.form.gates, signs.tolist(), gradients, hessians)
+
+
+def _corner(
+    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, *, alone: bool
+) -> PlaneCorner | None:
+    """The corner that a sector is, of unknown reach; None if its edges go on as each other."""
+    both = sector.first, sector.second
+    if abs(sector.opening - math.pi) < STRAIGHT:
+        return None
+    slopes = leaves.at(meeting.point[:, None])[list(both), 1:, 0]
+    angle = sector.opening if sector.opening in (0.0, 2 * math.pi) else _angle(slopes)
+    place, names = tuple(meeting.point.tolist()), tuple(named[k] for k in both)
+    return PlaneCorner(place, angle, both, names, tuple(map(tuple, slopes.tolist())), 0.0, alone)
+
+
+def _angle(slopes: Floats) -> float:
+    """From the edge with the first inner normal counter-clockwise to that with the second."""
+    (p, q), (u, v) = slopes
+    return math.atan2(q * u - p * v, -(p * u + q * v)) % (2 * math.pi)
+
+
+def _reach(leaves: LeafBoxes, corner: PlaneCorner, size: float) -> float:
+    """How far away, at least, another part of the boundary is, or leaf coordinates may fold.
+
+    They are one to one on a disc where the symmetric part of their Jacobian is positive definite. Boxes are divided,
+    the nearest first, until that which is nearest is small against its distance.
+    """
+    centre = np.array(corner.point)[:, None]
+    inverse = np.linalg.inv(np.array(corner.gradients))
+    at = leaves.at(centre)
+    own = list(corner.leaves)
+    others = np.setdiff1d(np.arange(leaves.count), own)
+    # Leaves through the corner itself count where they are away from it.
+    others = others[[leaves.lines[k] not in {leaves.lines[i] for i in own} for k in others]]
+    through = others[np.abs(at[others, 0, 0]) <= FINEST * size * np.hypot(*at[others, 1:, 0].T)]
+    away = np.setdiff1d(others, through)
+    boxes = grid(Boxes(centre - size, centre + size), 4)
+    for _ in range(CALLS):
+        bounds = leaves.over(boxes)
+        matter = leaves.matter(bounds)
+        bad = matter[away].any(axis=0) | _folds(inverse, bounds[own, 1:])
+        bad |= matter[through].any(axis=0) & (boxes.sides.max(axis=0) > FINEST * size)
+        boxes = boxes[bad]
+        if not len(boxes):
+            return size
+        distance = _distance(boxes, centre)
+        order = np.argsort(distance, kind="stable")
+        nearest = order[0]
+        if boxes.sides[:, nearest].max() <= NEAR_ENOUGH * distance[nearest]:
+            return float(distance[nearest])
+        some = order[: max(1, np.searchsorted(distance[order], 1.1 * distance[nearest] + 1e-300, side="right"))]
+        some = some[:AT_ONCE]
+        rest = np.setdiff1d(order, some)
+        boxes = halves(boxes[some])[0].followed_by(boxes[rest])
+    return float(_distance(boxes, centre).min())
+
+
+def _distance(boxes: Boxes, centre: Floats) -> Floats:
+    gap = np.maximum(np.maximum(boxes.lower - centre, centre - boxes.upper), 0.0)
+    distance: Floats = np.hypot(*gap)
+    return distance
+
+
+def _folds(inverse: Floats, slopes: Floats) -> Flags:
+    """Whether leaf coordinates, whose gradients have bounds (2, 2, 2, n), may turn a direction against itself."""
+    with np.errstate(all="ignore"):
+        low, high = slopes[:, :, 0], slopes[:, :, 1]
+        middle = np.einsum("ab,bcn->acn", inverse, low / 2 + high / 2)
+        radius = np.einsum("ab,bcn->acn", np.abs(inverse), high / 2 - low / 2)
+        (a, b), (c, d) = middle
+        least = (a + d) / 2 - np.hypot((a - d) / 2, (b + c) / 2)
+        folds: Flags = ~(least - np.sqrt((radius**2).sum(axis=(0, 1))) >= LEAST_STRETCH)
+    return folds
