@@ -5,6 +5,6 @@ coordinates go out, letters live.
 
 - `leaf_boxes`: bounds of the leaves and their gradients over boxes, and which of them matter there
 - `meetings`: the points where leaves that matter have a zero in common; `sectors`: what is inside around a point
-- `corners`: the corners of a plane shape; `leaf_jets`: derivatives of leaves; `corner_functions`: what solutions are
-  like at corners, 0 on both edges
+- `corners`: the corners of a plane shape; `reaches`: how far around them nothing else is
+- `leaf_jets`: leaves with their derivatives; `corner_functions`: what solutions are like at corners, 0 on both edges
 """

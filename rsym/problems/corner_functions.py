@@ -36,6 +36,7 @@ from rsym.problems.leaf_jets import LeafJets, leaf_jets
 CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
 MARGIN = 0.999  # of that radius, for what lies between the places
 WHOLE = 1e-9  # exponents so near to a whole number are those of polynomials, which need no functions of their own
+EDGE = 1e-6  # radians: what is on an edge but for rounding
 TINY = 1e-300
 
 
@@ -218,7 +219,7 @@ def _local(part: LocalFunctions, points: Floats) -> Floats:
     polar = _polar(corner, u[:, 0], v[:, 0], w[:, 0])
     inside = polar.r < part.radius
     if not corner.alone:
-        inside &= (polar.angle >= 0) & (polar.rest >= 0)
+        inside &= (polar.angle > -EDGE) & (polar.rest > -EDGE)
     out = np.zeros((4, len(points), len(part.terms)))
     some = np.flatnonzero(inside)
     own = _Polar(*(array[some] for array in polar))

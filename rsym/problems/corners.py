@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Flags, Floats
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import shape_form
@@ -18,14 +18,13 @@ from rsym.model.shape import Shape
 from rsym.problems.leaf_boxes import LeafBoxes, leaf_boxes
 from rsym.problems.leaf_jets import leaf_jets
 from rsym.problems.meetings import CommonZero, meetings
+from rsym.problems.reaches import Tips, reaches
 from rsym.problems.sectors import Sector, sectors
 from rsym.sampling.extent import extent
-from rsym.sampling.form_signs import Boxes, grid, halves
+from rsym.sampling.form_signs import Boxes
 
 STRAIGHT = 1e-6  # radians: what turns less is no corner
 WIDER = 1e-6  # of the bounds: what lies on them is found
-LEAST_STRETCH = 0.1  # leaf coordinates stretch no direction, not even against itself, to less
-NEAR_ENOUGH, FINEST, CALLS, AT_ONCE = 0.02, 1e-7, 200, 256
 
 
 @dataclass(frozen=True)
@@ -48,7 +47,7 @@ class PlaneCorner:
     reach : float
         Within this distance no other part of the boundary lies, and leaf coordinates are one to one; 0 of a cusp.
     alone : bool
-        Whether no other sector has its tip there.
+        Whether no other leaf passes through the point; else only what lies between the edges is of this corner.
 
     Examples
     --------
@@ -127,12 +126,31 @@ def corners(shape: Shape, letters: Mapping[Any, float] | None = None, bounds: An
     leaves = leaf_boxes(shape, letters)
     named = leaf_names(shape_form(shape), shape)
     found: list[PlaneCorner] = []
+    met: list[Ints] = []
     for meeting in meetings(leaves, box):
-        own = _at(shape, leaves, meeting, letters)
-        met = [_corner(leaves, named, meeting, sector, alone=len(own) == 1) for sector in own]
-        found += [corner for corner in met if corner is not None]
-    size = float(np.hypot(*box.sides[:, 0]))
-    return tuple(corner if corner.is_cusp else replace(corner, reach=_reach(leaves, corner, size)) for corner in found)
+        zeros, own = _at(shape, leaves, meeting, letters)
+        alone = len(own) == 1 and {leaves.lines[k] for k in zeros} == {leaves.lines[k] for k in own[0][:2]}
+        corners_here = [_corner(leaves, named, meeting, sector, alone=alone) for sector in own]
+        found += [corner for corner in corners_here if corner is not None]
+        met += [zeros for corner in corners_here if corner is not None]
+    return _with_reaches(leaves, found, met, float(np.hypot(*box.sides[:, 0])))
+
+
+def _with_reaches(
+    leaves: LeafBoxes, found: Sequence[PlaneCorner], met: Sequence[Ints], size: float
+) -> tuple[PlaneCorner, ...]:
+    """The corners with their reaches; `met` are the leaves that vanish at each."""
+    known = [k for k, corner in enumerate(found) if not corner.is_cusp]
+    own = [found[k] for k in known]
+    tips = Tips(
+        np.array([corner.point for corner in own]).reshape(-1, 2),
+        np.array([corner.leaves for corner in own], np.int64).reshape(-1, 2),
+        np.array([corner.gradients for corner in own]).reshape(-1, 2, 2),
+        np.array([corner.angle for corner in own]),
+        [met[k] for k in known],
+    )
+    far = dict(zip(known, reaches(leaves, tips, size).tolist(), strict=True))
+    return tuple(replace(corner, reach=far.get(k, 0.0)) for k, corner in enumerate(found))
 
 
 def _box(shape: Shape, letters: Mapping[Any, float] | None, bounds: Any) -> Boxes:
@@ -142,13 +160,15 @@ def _box(shape: Shape, letters: Mapping[Any, float] | None, bounds: Any) -> Boxe
     return Boxes(low - WIDER * (high - low), high + WIDER * (high - low))
 
 
-def _at(shape: Shape, leaves: LeafBoxes, meeting: CommonZero, letters: Mapping[Any, float] | None) -> list[Sector]:
-    """The sectors inside around a place where leaves meet."""
+def _at(
+    shape: Shape, leaves: LeafBoxes, meeting: CommonZero, letters: Mapping[Any, float] | None
+) -> tuple[Ints, list[Sector]]:
+    """The leaves that vanish at a place where some meet, and the sectors inside around it."""
     near = leaves.over(Boxes(*(meeting.point[:, None] + side * 4 * meeting.radius for side in (-1, 1))))[..., 0]
     signs = (near[:, 0, 0] > 0).astype(int) - (near[:, 0, 1] < 0)
     matter = leaves.matter(near[..., None])[:, 0]
     if not matter.any():
-        return []
+        return np.empty(0, np.int64), []
     met = np.flatnonzero(signs == 0)
     steady = leaves.steady(near[..., None])[:, 0]
     for leaf in met[matter[met] & ~steady[met]]:
@@ -164,7 +184,7 @@ def _at(shape: Shape, leaves: LeafBoxes, meeting: CommonZero, letters: Mapping[A
     if meeting.touching:
         found = leaf_jets(shape, tuple(gradients), letters).at(meeting.point[None])
         hessians = dict(zip(gradients, found[:, 3:, 0], strict=True))
-    return sectors(leaves.form.gates, signs.tolist(), gradients, hessians)
+    return met, sectors(leaves.form.gates, signs.tolist(), gradients, hessians)
 
 
 def _corner(
@@ -184,57 +204,3 @@ def _angle(slopes: Floats) -> float:
     """From the edge with the first inner normal counter-clockwise to that with the second."""
     (p, q), (u, v) = slopes
     return math.atan2(q * u - p * v, -(p * u + q * v)) % (2 * math.pi)
-
-
-def _reach(leaves: LeafBoxes, corner: PlaneCorner, size: float) -> float:
-    """How far away, at least, another part of the boundary is, or leaf coordinates may fold.
-
-    They are one to one on a disc where the symmetric part of their Jacobian is positive definite. Boxes are divided,
-    the nearest first, until that which is nearest is small against its distance.
-    """
-    centre = np.array(corner.point)[:, None]
-    inverse = np.linalg.inv(np.array(corner.gradients))
-    at = leaves.at(centre)
-    own = list(corner.leaves)
-    others = np.setdiff1d(np.arange(leaves.count), own)
-    # Leaves through the corner itself count where they are away from it.
-    others = others[[leaves.lines[k] not in {leaves.lines[i] for i in own} for k in others]]
-    through = others[np.abs(at[others, 0, 0]) <= FINEST * size * np.hypot(*at[others, 1:, 0].T)]
-    away = np.setdiff1d(others, through)
-    boxes = grid(Boxes(centre - size, centre + size), 4)
-    for _ in range(CALLS):
-        bounds = leaves.over(boxes)
-        matter = leaves.matter(bounds)
-        bad = matter[away].any(axis=0) | _folds(inverse, bounds[own, 1:])
-        bad |= matter[through].any(axis=0) & (boxes.sides.max(axis=0) > FINEST * size)
-        boxes = boxes[bad]
-        if not len(boxes):
-            return size
-        distance = _distance(boxes, centre)
-        order = np.argsort(distance, kind="stable")
-        nearest = order[0]
-        if boxes.sides[:, nearest].max() <= NEAR_ENOUGH * distance[nearest]:
-            return float(distance[nearest])
-        some = order[: max(1, np.searchsorted(distance[order], 1.1 * distance[nearest] + 1e-300, side="right"))]
-        some = some[:AT_ONCE]
-        rest = np.setdiff1d(order, some)
-        boxes = halves(boxes[some])[0].followed_by(boxes[rest])
-    return float(_distance(boxes, centre).min())
-
-
-def _distance(boxes: Boxes, centre: Floats) -> Floats:
-    gap = np.maximum(np.maximum(boxes.lower - centre, centre - boxes.upper), 0.0)
-    distance: Floats = np.hypot(*gap)
-    return distance
-
-
-def _folds(inverse: Floats, slopes: Floats) -> Flags:
-    """Whether leaf coordinates, whose gradients have bounds (2, 2, 2, n), may turn a direction against itself."""
-    with np.errstate(all="ignore"):
-        low, high = slopes[:, :, 0], slopes[:, :, 1]
-        middle = np.einsum("ab,bcn->acn", inverse, low / 2 + high / 2)
-        radius = np.einsum("ab,bcn->acn", np.abs(inverse), high / 2 - low / 2)
-        (a, b), (c, d) = middle
-        least = (a + d) / 2 - np.hypot((a - d) / 2, (b + c) / 2)
-        folds: Flags = ~(least - np.sqrt((radius**2).sum(axis=(0, 1))) >= LEAST_STRETCH)
-    return folds

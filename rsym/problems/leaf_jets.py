@@ -10,7 +10,7 @@ import numpy as np
 
 from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
-from rsym.logic.sign_form import shape_form
+from rsym.logic.sign_form import SignForm, shape_form
 from rsym.model.recent import recently
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
@@ -51,9 +51,14 @@ def leaf_jets(shape: Shape, leaves: Sequence[int], letters: Mapping[Any, float] 
     return LeafJets(_kernel(shape, tuple(own)), rows, shape.letters.values_with(letters))
 
 
+@recently(8)
+def _form(shape: Shape) -> SignForm:
+    return shape_form(shape)
+
+
 @recently(64)
 def _kernel(shape: Shape, leaves: tuple[int, ...]) -> Kernel:
-    form = shape_form(shape)
+    form = _form(shape)
     b = form.builder
     outputs = {}
     for k, number in enumerate(leaves):

@@ -50,14 +50,15 @@ def sectors(
     0 1 1.5
     """
     rays = _rays(gradients, hessians)
-    inside, widths = [], []
+    inside, widths, known = [], [], []
     for ray, following in zip(rays, [*rays[1:], rays[0]], strict=True):
         thin = ray.angle == following.angle and len(rays) > 1
         widths.append(0.0 if thin else (following.angle - ray.angle) % (2 * math.pi))
         own = dict(enumerate(signs))
         for leaf, slope in gradients.items():
             own[leaf] = _sign(slope, hessians[leaf], ray, following, thin=thin)
-        inside.append(_form(gates, [own[k] for k in range(len(signs))]) > 0)
+        known.append([own[k] for k in range(len(signs))])
+        inside.append(_form(gates, known[-1]) > 0)
     found = []
     for start in range(len(rays)):
         if not inside[start] or inside[start - 1]:
@@ -66,7 +67,8 @@ def sectors(
         own = [(start + n) % len(rays) for n in range(length)]
         first, last = rays[start], rays[(start + length) % len(rays)]
         opening = math.fsum(widths[k] for k in own)
-        found.append(Sector(_edge(first, gradients, 1), _edge(last, gradients, -1), opening))
+        edges = _edge(gates, known[own[0]], first), _edge(gates, known[own[-1]], last)
+        found.append(Sector(*edges, opening))
     return found
 
 
@@ -129,7 +131,12 @@ def _form(gates: Sequence[Gate], signs: Sequence[int]) -> int:
     return through(gates, signs, lambda gate, one, other: rules[gate.operation](one, other))[-1]
 
 
-def _edge(ray: _Ray, gradients: Mapping[int, Floats], side: int) -> int:
-    """The leaf of a ray that is positive to the left (1) or to the right (-1) of it."""
-    normal = -math.sin(ray.angle) * side, math.cos(ray.angle) * side
-    return max(ray.leaves, key=lambda leaf: float(np.dot(gradients[leaf], normal) / np.hypot(*gradients[leaf])))
+def _edge(gates: Sequence[Gate], signs: Sequence[int], ray: _Ray) -> int:
+    """The leaf of a ray without which what is inside beside it, where leaves have the signs, were outside.
+
+    Where there are several that do not need each other it is one of them that is positive inside.
+    """
+    positive = [leaf for leaf in ray.leaves if signs[leaf] > 0]
+    without = ([-sign if k == leaf else sign for k, sign in enumerate(signs)] for leaf in positive)
+    deciding = [leaf for leaf, other in zip(positive, without, strict=True) if _form(gates, other) < 0]
+    return (deciding or positive)[0]
