@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
-from rsym.problems.leaf_boxes import LeafBoxes
+from rsym.problems.corners.leaf_boxes import LeafBoxes
 from rsym.sampling.form_signs import Boxes, grid, halves, points
 
 FIRST = 16  # boxes along a side
@@ -47,7 +47,7 @@ class _Pairs(NamedTuple):
     other: Ints
 
 
-def meetings(leaves: LeafBoxes, box: Boxes) -> list[CommonZero]:
+def common_zeros(leaves: LeafBoxes, box: Boxes) -> list[CommonZero]:
     """The points in a box where leaves that matter meet, each once, in the order of their coordinates."""
     boxes, zeros, errors = grid(box, FIRST), [np.empty((2, 0))], [np.empty(0)]
     floor = ROUNDING * float(np.abs([box.lower, box.upper]).max())

@@ -15,11 +15,11 @@ from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import shape_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.leaf_boxes import LeafBoxes, leaf_boxes
-from rsym.problems.leaf_jets import leaf_jets
-from rsym.problems.meetings import CommonZero, meetings
-from rsym.problems.reaches import Tips, reaches
-from rsym.problems.sectors import Sector, sectors
+from rsym.problems.corners.common_zeros import CommonZero, common_zeros
+from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
+from rsym.problems.corners.leaf_jets import leaf_jets
+from rsym.problems.corners.reaches import Tips, reaches
+from rsym.problems.corners.sectors import Sector, sectors
 from rsym.sampling.extent import extent
 from rsym.sampling.form_signs import Boxes
 
@@ -127,7 +127,7 @@ def corners(shape: Shape, letters: Mapping[Any, float] | None = None, bounds: An
     named = leaf_names(shape_form(shape), shape)
     found: list[PlaneCorner] = []
     met: list[Ints] = []
-    for meeting in meetings(leaves, box):
+    for meeting in common_zeros(leaves, box):
         zeros, own = _at(shape, leaves, meeting, letters)
         alone = len(own) == 1 and {leaves.lines[k] for k in zeros} == {leaves.lines[k] for k in own[0][:2]}
         corners_here = [_corner(leaves, named, meeting, sector, alone=alone) for sector in own]

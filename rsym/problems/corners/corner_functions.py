@@ -30,8 +30,8 @@ import numpy as np
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.problems.corners import PlaneCorner
-from rsym.problems.leaf_jets import LeafJets, leaf_jets
+from rsym.problems.corners.corners import PlaneCorner
+from rsym.problems.corners.leaf_jets import LeafJets, leaf_jets
 
 CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
 MARGIN = 0.999  # of that radius, for what lies between the places
@@ -68,7 +68,7 @@ class CornerFunctions:
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> from rsym.problems.corners import corners
+    >>> from rsym.problems.corners.corners import corners
     >>> shape = rsym.Shape(rsym.conjunction(1 - x**2, 1 - y**2, rsym.disjunction(-x, y)), (x, y))
     >>> inner = [corner for corner in corners(shape) if corner.is_reentrant]
     >>> found = corner_functions(shape, inner, terms=2, levels=1, load=False)

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose
 
 import rsym
 from rsym import x, y
-from rsym.problems.corner_functions import corner_functions
-from rsym.problems.corners import corners
+from rsym.problems.corners.corner_functions import corner_functions
+from rsym.problems.corners.corners import corners
 
 ELL = rsym.Shape(rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y, rsym.disjunction(-x, y)), (x, y))
 LENS = rsym.disc(1) & rsym.disc(1, (1, 0))

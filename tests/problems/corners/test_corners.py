@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 import rsym
 from rsym import x, y
-from rsym.problems.corners import corners
+from rsym.problems.corners.corners import corners
 
 
 def half(angle, distance=0.0):

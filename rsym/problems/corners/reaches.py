@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.problems.leaf_boxes import LeafBoxes
+from rsym.problems.corners.leaf_boxes import LeafBoxes
 from rsym.sampling.form_signs import Boxes, grid, halves
 
 LEAST_STRETCH = 0.1  # leaf coordinates turn no direction so far that less of it is left
