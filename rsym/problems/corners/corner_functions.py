@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rsym.arrays import Flags, Floats
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.problems.corners.corners import PlaneCorner
@@ -37,7 +37,7 @@ CIRCLE = 720  # places around a corner, at its reach, of which the nearest in le
 MARGIN = 0.999  # of that radius, for what lies between the places
 WHOLE = 1e-9  # exponents so near to a whole number are those of polynomials, which need no functions of their own
 EDGE = 1e-6  # radians: what is on an edge but for rounding
-TINY = 1e-300
+TINY = 1e-100  # of a radius; its powers do not overflow
 
 
 class Term(NamedTuple):
@@ -99,15 +99,21 @@ class CornerFunctions:
 
         At the corner itself derivatives that are infinite come out as large numbers.
         """
+        found = self.derivatives(points, 2)
+        return found[0].T, found[1:3].transpose(2, 0, 1), (found[3] + found[5]).T
+
+    def derivatives(self, points: Floats, order: int) -> Floats:
+        """Derivatives up to the order 0, 1 or 2 at points (n, 2): value, x, y, xx, xy, yy, of those (kinds, k, n)."""
         points = np.asarray(points, np.float64)
-        out = np.zeros((4, len(points), len(self)))
+        out = np.zeros(((1, 3, 6)[order], len(self), len(points)))
         done = 0
         for part in self.parts:
             near = np.flatnonzero(np.hypot(*(points - part.corner.point).T) < part.corner.reach)
             if len(near):
-                out[:, near, done : done + len(part.terms)] = _local(part, points[near])
+                some, found = _local(part, points[near], order)
+                out[:, done : done + len(part.terms), near[some]] = found
             done += len(part.terms)
-        return out[0], out[1:3].transpose(1, 0, 2), out[3]
+        return out
 
 
 def corner_functions(
@@ -118,7 +124,7 @@ def corner_functions(
     terms: int = 7,
     levels: int = 3,
     highest: float = 9.0,
-    load: bool = True,
+    load: bool | Sequence[bool] = True,
     power: int = 7,
     letters: Mapping[Any, float] | None = None,
 ) -> CornerFunctions:
@@ -135,7 +141,7 @@ def corner_functions(
         The largest k, and the number of j. Those with a whole exponent, which are smooth, are left out.
     highest : float
         The largest exponent lambda + 2*j.
-    load : bool
+    load : bool, or one for each corner
         Whether there are those with logarithms, which solutions of -laplacian(u) = 1 need where cos alpha = 0.
     power : int
         m, at least 3: so many times less one the functions are smooth where they end.
@@ -146,7 +152,8 @@ def corner_functions(
         ``cusp`` for a corner whose edges touch: leaf coordinates do not tell them apart.
     """
     parts = []
-    for corner in corners:
+    loads = [load] * len(corners) if isinstance(load, bool) else load
+    for corner, loaded in zip(corners, loads, strict=True):
         if corner.is_cusp:
             raise RsymError(
                 f"the edges {corner.parts[0]!r} and {corner.parts[1]!r} touch: a cusp has no functions of this kind",
@@ -155,7 +162,7 @@ def corner_functions(
                 remedy="move one of them, or leave the cusp out",
             )
         free = tuple(leaf in natural for leaf in corner.leaves)
-        chosen = _terms(corner.angle, free, terms, levels, highest, load=load)
+        chosen = _terms(corner.angle, free, terms, levels, highest, load=loaded)
         if chosen:
             jets = leaf_jets(shape, corner.leaves, letters)
             parts.append(LocalFunctions(corner, chosen, _radius(corner, jets), power, free == (True, False), jets))
@@ -212,35 +219,34 @@ def _polar(corner: PlaneCorner, u: Floats, v: Floats, w: Floats) -> _Polar:
     return _Polar(np.hypot(u, v), angle, rest, np.abs(angle) <= np.abs(rest))
 
 
-def _local(part: LocalFunctions, points: Floats) -> Floats:
-    """Values, both derivatives and Laplacians (4, n, k)."""
+def _local(part: LocalFunctions, points: Floats, order: int) -> tuple[Ints, Floats]:
+    """The points within the radius, and the derivatives there, (kinds, k, n)."""
     corner, jets = part.corner, part.jets.at(points)
-    u, v, w = _coordinates(corner, jets.transpose(0, 2, 1))  # (n, 6)
-    polar = _polar(corner, u[:, 0], v[:, 0], w[:, 0])
+    u, v, w = _coordinates(corner, jets)  # (6, n)
+    polar = _polar(corner, u[0], v[0], w[0])
     inside = polar.r < part.radius
     if not corner.alone:
         inside &= (polar.angle > -EDGE) & (polar.rest > -EDGE)
-    out = np.zeros((4, len(points), len(part.terms)))
     some = np.flatnonzero(inside)
-    own = _Polar(*(array[some] for array in polar))
-    radial = _Radial(own, part)
-    # The frame of polar coordinates: derivatives along er and et of u and v.
-    r = np.maximum(own.r, TINY)
-    c, s = u[some, 0] / r, v[some, 0] / r
-    slopes_u, slopes_v = u[some, 1:3], v[some, 1:3]
-    along, across = c[:, None] * slopes_u + s[:, None] * slopes_v, c[:, None] * slopes_v - s[:, None] * slopes_u
-    lengths = [np.einsum("ni,ni->n", a, b) for a, b in ((along, along), (along, across), (across, across))]
-    bent_u, bent_v = u[some, 3] + u[some, 5], v[some, 3] + v[some, 5]
-    bends = c * bent_u + s * bent_v, c * bent_v - s * bent_u
+    u, v = u[:, some], v[:, some]
+    radial = _Radial(_Polar(*(array[some] for array in polar)), part)
+    # The frame of polar coordinates: derivatives of u and v along er and et.
+    c, s = u[0] / radial.r, v[0] / radial.r
+    along, across = c * u[1:] + s * v[1:], c * v[1:] - s * u[1:]
+    out = np.empty(((1, 3, 6)[order], len(part.terms), len(some)))
+    pairs = [(0, 0), (0, 1), (1, 1)] if order == 2 else []
+    squares = [(along[i] * along[j], across[i] * across[j]) for i, j in pairs]
+    mixed = [along[i] * across[j] + along[j] * across[i] for i, j in pairs]
     for k, term in enumerate(part.terms):
         value, dr, dt, rr, rt, flat = radial.of(term)
-        out[0, some, k] = value
-        out[1:3, some, k] = dr * along.T + dt * across.T
-        # rr and tt separately, but for their sum, in which what is harmonic cancels.
-        out[3, some, k] = (
-            flat * lengths[2] + rr * (lengths[0] - lengths[2]) + 2 * rt * lengths[1] + dr * bends[0] + dt * bends[1]
-        )
-    return out
+        out[0, k] = value
+        if order > 0:
+            out[1:3, k] = dr * along[:2] + dt * across[:2]
+        for number, ((a, b), m) in enumerate(zip(squares, mixed, strict=True)):
+            # tt is flat - rr: in the Laplacian what is harmonic cancels.
+            bent = dr * along[2 + number] + dt * across[2 + number]
+            out[3 + number, k] = rr * (a - b) + rt * m + flat * b + bent
+    return some, out
 
 
 class _Radial:
@@ -255,23 +261,29 @@ class _Radial:
         self.chi = rest**m
         self.chi1 = -2 * m * share**2 * rest ** (m - 1)
         self.chi2 = self.chi1 + 4 * m * (m - 1) * share**4 * rest ** (m - 2)
+        self._waves: dict[tuple[str, float], tuple[Floats, Floats]] = {}
+        self._sizes: dict[tuple[float, int], Floats] = {}
 
     def of(self, term: Term) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
         """Value, derivatives along r and across, second ones rr and rt, and the Laplacian rr + tt."""
         if term.kind == "log":
             return self._logarithm(term)
-        s, ds = self._wave(term)
-        e, r = term.exponent, self.r
-        f, f1, f2, flat = self._radial(e, term.rate)
-        size = r ** (e - 2)
-        return (
-            f * r**2 * size * s,
-            f1 * r * size * s,
-            f * r * size * ds,
-            f2 * size * s,
-            (f1 - f) * size * ds,
-            flat * size * s,
-        )
+        if (term.kind, term.rate) not in self._waves:
+            self._waves[term.kind, term.rate] = self._wave(term)
+        s, ds = self._waves[term.kind, term.rate]
+        f, f1, f2, flat = self._radial(term.exponent, term.rate)
+        size, r = self._size(term), self.r
+        s, ds = size * s, size * ds
+        return f * r**2 * s, f1 * r * s, f * r * ds, f2 * s, (f1 - f) * ds, flat * s
+
+    def _size(self, term: Term) -> Floats:
+        """r**(exponent - 2), of one power for all that differ from it by squares."""
+        times = round((term.exponent - term.rate) / 2)
+        if (term.rate, times) not in self._sizes:
+            lower = term._replace(exponent=term.exponent - 2)
+            found = self._size(lower) * self.r**2 if times > 0 else self.r ** (term.exponent - 2)
+            self._sizes[term.rate, times] = found
+        return self._sizes[term.rate, times]
 
     def _radial(self, e: float, rate: float) -> tuple[Floats, Floats, Floats, Floats]:
         """Of F = chi*r**e: F, r F', r**2 F'', and r**2 F'' + r F' - rate**2 F, all over r**e."""
@@ -307,7 +319,7 @@ class _Radial:
         st, sign = np.where(first, st, -st), np.where(first, 1.0, -1.0)
         a, b = -s2 / n, sign * -2 * c2 / n  # r times the derivatives of s and st by r
         f, f1, f2, flat = self._radial(e, 2.0)
-        size = r ** (e - 2)
+        size = self._size(term)
         rr = f2 * s + (2 * f1 - f) * a
         rt = (f1 - f) * st + f * b
         # The Laplacian of S is -1.
