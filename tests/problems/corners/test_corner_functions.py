@@ -6,6 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import scipy.linalg as la
+import sympy as sp
 from numpy.polynomial import legendre
 from numpy.testing import assert_allclose
 
@@ -13,6 +14,7 @@ import rsym
 from rsym import x, y
 from rsym.problems.corners.corner_functions import corner_functions
 from rsym.problems.corners.corners import corners
+from rsym.problems.corners.formulas import formulas
 
 ELL = rsym.Shape(rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y, rsym.disjunction(-x, y)), (x, y))
 LENS = rsym.disc(1) & rsym.disc(1, (1, 0))
@@ -155,12 +157,11 @@ def test_natural_conditions_have_no_slope_across_edges():
 
 
 def test_a_wedge_of_another_sector_is_left_alone():
-    cross = rsym.Shape(rsym.exclusive_or(x, y), (x, y), bounds=((-1, 1), (-1, 1)))
-    first, second = corners(cross)
+    first, second = corners(CROSS)
     points = np.array([[-0.2, 0.3], [0.2, -0.3]])
     for corner in (first, second):
         own = np.array([corner.edges.sum(axis=0) @ point > 0 for point in points])
-        values = corner_functions(cross, [corner]).at(points)[0]
+        values = corner_functions(CROSS, [corner]).at(points)[0]
         assert values[own].any()
         assert not values[~own].any()
 
@@ -172,6 +173,36 @@ def test_letters_move_the_functions():
     found = corner_functions(shape, [corner], letters={"a": 0.5})
     assert not found.at(np.array([[0.5, -0.25], [0.75, 0.0]]))[0].any()
     assert found.at(np.array([[0.25, 0.25]]))[0].any()
+
+
+CROSS = rsym.Shape(rsym.exclusive_or(x, y), (x, y), bounds=((-1, 1), (-1, 1)))
+
+
+@pytest.mark.parametrize(("shape", "natural"), [(ELL, ()), (BOTH, (0,)), (CROSS, ())])
+def test_as_expressions_they_have_the_same_values_and_derivatives(shape, natural):
+    found = corner_functions(shape, corners(shape)[-3:], natural, terms=3, levels=2)
+    points = np.random.default_rng(1).uniform(-1, 1, (300, 2))
+    values = found.derivatives(points, 2)
+    expressions = formulas(shape, found)
+    assert len(expressions) == len(found)
+    for k in {0, len(found) // 2, len(found) - 1}:
+        kernel = rsym.compile(shape.replace(expression=expressions[k]), ("value", "gradient", "hessian"))
+        fields = kernel(*points.T)
+        assert np.abs(values[0, k]).max() > 1e-6
+        assert_allclose(fields["value"], values[0, k], rtol=0, atol=1e-14)
+        assert_allclose(fields["gradient"].T, values[1:3, k], rtol=0, atol=1e-13)
+        assert_allclose(fields["hessian"][:, [0, 0, 1], [0, 1, 1]].T, values[3:, k], rtol=0, atol=1e-11)
+
+
+def test_as_expressions_they_are_zero_on_edges_for_other_letters_too():
+    a = sp.Symbol("a", real=True)
+    shape = rsym.Shape(rsym.conjunction(4 - x**2 - y**2, rsym.disjunction(a - x, y - a * x)), (x, y), letters={a: 0})
+    (corner,) = (c for c in corners(shape) if c.is_reentrant)
+    for expression in formulas(shape, corner_functions(shape, [corner], terms=2, levels=1)):
+        inside = expression.subs({x: -sp.Rational(1, 5), y: sp.Rational(1, 5), a: sp.Rational(1, 10)})
+        assert abs(float(inside)) > 1e-6
+        on_edges = [{x: a, y: -sp.Rational(1, 5)}, {x: sp.Rational(1, 2), y: a / 2}]
+        assert [expression.subs(place).subs(a, sp.Rational(1, 10)) for place in on_edges] == [0, 0]
 
 
 def test_cusps_are_refused():
