@@ -7,5 +7,5 @@ of points with their derivatives. In the order of the data:
 - `common_zeros`: the points where leaves that matter meet; `sectors`: what is inside around such a point
 - `reaches`: how far around corners nothing else is; `corners`: all of that
 - `leaf_jets`: leaves with their derivatives; `corner_functions`: powers and logarithms in the coordinates of two leaves
-- `formulas`: these as expressions
+  by `singular_loops`; `formulas`: these as expressions
 """

@@ -27,17 +27,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rsym.arrays import Flags, Floats, Ints
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.corners.leaf_jets import LeafJets, leaf_jets
+from rsym.problems.corners.singular_loops import LOG, corner_terms
 
 CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
 MARGIN = 0.999  # of that radius, for what lies between the places
 WHOLE = 1e-9  # exponents so near to a whole number are those of polynomials, which need no functions of their own
-EDGE = 1e-6  # radians: what is on an edge but for rounding
-TINY = 1e-100  # of a radius; its powers do not overflow
+
+KINDS = ("sin", "cos", "log")  # as the loop counts them
 
 
 class Term(NamedTuple):
@@ -110,8 +111,7 @@ class CornerFunctions:
         for part in self.parts:
             near = np.flatnonzero(np.hypot(*(points - part.corner.point).T) < part.corner.reach)
             if len(near):
-                some, found = _local(part, points[near], order)
-                out[:, done : done + len(part.terms), near[some]] = found
+                _fill(part, points[near], near, out[:, done : done + len(part.terms)])
             done += len(part.terms)
         return out
 
@@ -200,128 +200,24 @@ def _coordinates(corner: PlaneCorner, leaves: Floats) -> tuple[Floats, Floats, F
     return (w + v * math.cos(corner.angle)) / math.sin(corner.angle), v, w
 
 
-class _Polar(NamedTuple):
-    """Polar leaf coordinates; of `angle` and `rest` = alpha - angle the smaller is exact, `first` says which."""
-
-    r: Floats
-    angle: Floats
-    rest: Floats
-    first: Flags
-
-
-def _polar(corner: PlaneCorner, u: Floats, v: Floats, w: Floats) -> _Polar:
-    alpha = corner.angle
-    cut = (alpha + 2 * math.pi) / 2  # opposite to the middle
-    along = (v + w * math.cos(alpha)) / math.sin(alpha)
-    angle, rest = np.arctan2(v, u), np.arctan2(w, along)
-    angle = np.where(angle > cut, angle - 2 * math.pi, np.where(angle < cut - 2 * math.pi, angle + 2 * math.pi, angle))
-    rest = np.where(rest > cut, rest - 2 * math.pi, np.where(rest < cut - 2 * math.pi, rest + 2 * math.pi, rest))
-    return _Polar(np.hypot(u, v), angle, rest, np.abs(angle) <= np.abs(rest))
-
-
-def _local(part: LocalFunctions, points: Floats, order: int) -> tuple[Ints, Floats]:
-    """The points within the radius, and the derivatives there, (kinds, k, n)."""
-    corner, jets = part.corner, part.jets.at(points)
-    u, v, w = _coordinates(corner, jets)  # (6, n)
-    polar = _polar(corner, u[0], v[0], w[0])
-    inside = polar.r < part.radius
-    if not corner.alone:
-        inside &= (polar.angle > -EDGE) & (polar.rest > -EDGE)
-    some = np.flatnonzero(inside)
-    u, v = u[:, some], v[:, some]
-    radial = _Radial(_Polar(*(array[some] for array in polar)), part)
-    # The frame of polar coordinates: derivatives of u and v along er and et.
-    c, s = u[0] / radial.r, v[0] / radial.r
-    along, across = c * u[1:] + s * v[1:], c * v[1:] - s * u[1:]
-    out = np.empty(((1, 3, 6)[order], len(part.terms), len(some)))
-    pairs = [(0, 0), (0, 1), (1, 1)] if order == 2 else []
-    squares = [(along[i] * along[j], across[i] * across[j]) for i, j in pairs]
-    mixed = [along[i] * across[j] + along[j] * across[i] for i, j in pairs]
-    for k, term in enumerate(part.terms):
-        value, dr, dt, rr, rt, flat = radial.of(term)
-        out[0, k] = value
-        if order > 0:
-            out[1:3, k] = dr * along[:2] + dt * across[:2]
-        for number, ((a, b), m) in enumerate(zip(squares, mixed, strict=True)):
-            # tt is flat - rr: in the Laplacian what is harmonic cancels.
-            bent = dr * along[2 + number] + dt * across[2 + number]
-            out[3 + number, k] = rr * (a - b) + rt * m + flat * b + bent
-    return some, out
-
-
-class _Radial:
-    """Terms with their derivatives in polar coordinates, at points within the radius."""
-
-    def __init__(self, polar: _Polar, part: LocalFunctions) -> None:
-        self.polar, self.turned, self.alpha = polar, part.turned, part.corner.angle
-        self.r = np.maximum(polar.r, TINY)
-        share, m = self.r / part.radius, part.power
-        rest = np.maximum((1 - share) * (1 + share), 0.0)
-        # The factor, r times its derivative, and r**2 times its second one.
-        self.chi = rest**m
-        self.chi1 = -2 * m * share**2 * rest ** (m - 1)
-        self.chi2 = self.chi1 + 4 * m * (m - 1) * share**4 * rest ** (m - 2)
-        self._waves: dict[tuple[str, float], tuple[Floats, Floats]] = {}
-        self._sizes: dict[tuple[float, int], Floats] = {}
-
-    def of(self, term: Term) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-        """Value, derivatives along r and across, second ones rr and rt, and the Laplacian rr + tt."""
-        if term.kind == "log":
-            return self._logarithm(term)
-        if (term.kind, term.rate) not in self._waves:
-            self._waves[term.kind, term.rate] = self._wave(term)
-        s, ds = self._waves[term.kind, term.rate]
-        f, f1, f2, flat = self._radial(term.exponent, term.rate)
-        size, r = self._size(term), self.r
-        s, ds = size * s, size * ds
-        return f * r**2 * s, f1 * r * s, f * r * ds, f2 * s, (f1 - f) * ds, flat * s
-
-    def _size(self, term: Term) -> Floats:
-        """r**(exponent - 2), of one power for all that differ from it by squares."""
-        times = round((term.exponent - term.rate) / 2)
-        if (term.rate, times) not in self._sizes:
-            lower = term._replace(exponent=term.exponent - 2)
-            found = self._size(lower) * self.r**2 if times > 0 else self.r ** (term.exponent - 2)
-            self._sizes[term.rate, times] = found
-        return self._sizes[term.rate, times]
-
-    def _radial(self, e: float, rate: float) -> tuple[Floats, Floats, Floats, Floats]:
-        """Of F = chi*r**e: F, r F', r**2 F'', and r**2 F'' + r F' - rate**2 F, all over r**e."""
-        chi, chi1, chi2 = self.chi, self.chi1, self.chi2
-        f1 = e * chi + chi1
-        f2 = e * (e - 1) * chi + 2 * e * chi1 + chi2
-        return chi, f1, f2, (e - rate) * (e + rate) * chi + (2 * e + 1) * chi1 + chi2
-
-    def _wave(self, term: Term) -> tuple[Floats, Floats]:
-        """The sine or cosine of rate*theta, and its derivative by theta, from the nearer edge."""
-        near, far = (self.polar.rest, self.polar.angle) if self.turned else (self.polar.angle, self.polar.rest)
-        from_near = ~self.polar.first if self.turned else self.polar.first
-        angle = np.where(from_near, near, far)
-        s, c = np.sin(term.rate * angle), np.cos(term.rate * angle)
-        # At the far edge rate*alpha is a multiple of pi, or an odd one of pi/2 where conditions are mixed.
-        whole = round(2 * term.rate * self.alpha / math.pi)
-        sine, cosine = (0.0, 1.0, 0.0, -1.0)[whole % 4], (1.0, 0.0, -1.0, 0.0)[whole % 4]
-        sin = np.where(from_near, s, sine * c - cosine * s)
-        cos = np.where(from_near, c, cosine * c + sine * s)
-        value, slope = (sin, term.rate * cos) if term.kind == "sin" else (cos, -term.rate * sin)
-        return value, -slope if self.turned else slope
-
-    def _logarithm(self, term: Term) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats]:
-        """r**(2*j) chi S with S = -v**2/2 - Im(z**2 log z)/(2 alpha), of which r S' and the like follow."""
-        e, r = term.exponent, self.r
-        # From the second edge the function looks the same.
-        first = self.polar.first
-        t = np.where(first, self.polar.angle, self.polar.rest)
-        s2, c2, log = np.sin(2 * t), np.cos(2 * t), np.log(r)
-        n = 2 * self.alpha
-        s = -(np.sin(t) ** 2) / 2 - (log * s2 + t * c2) / n  # S/r**2
-        st = -s2 / 2 - (2 * log * c2 + c2 - 2 * t * s2) / n
-        st, sign = np.where(first, st, -st), np.where(first, 1.0, -1.0)
-        a, b = -s2 / n, sign * -2 * c2 / n  # r times the derivatives of s and st by r
-        f, f1, f2, flat = self._radial(e, 2.0)
-        size = self._size(term)
-        rr = f2 * s + (2 * f1 - f) * a
-        rt = (f1 - f) * st + f * b
-        # The Laplacian of S is -1.
-        lap = flat * s + 2 * (f1 - 2 * f) * a - f
-        return f * r**2 * size * s, (f1 * s + f * a) * r * size, f * r * size * st, rr * size, rt * size, lap * size
+def _fill(part: LocalFunctions, points: Floats, where: Ints, out: Floats) -> None:
+    """The derivatives of the functions at one corner, (kinds, k, all points), at points of those."""
+    corner = part.corner
+    halves = [round(2 * term.rate * corner.angle / math.pi) for term in part.terms]
+    kinds = [KINDS.index(term.kind) for term in part.terms]
+    multiples = max((half for half, kind in zip(halves, kinds, strict=True) if kind != LOG), default=0)
+    corner_terms(
+        *_coordinates(corner, part.jets.at(points)),
+        corner.angle,
+        part.radius,
+        part.power,
+        part.turned,
+        corner.alone,
+        np.array(kinds, np.int64),
+        np.array(halves, np.int64),
+        np.array([round((term.exponent - term.rate) / 2) for term in part.terms], np.int64),
+        np.array([term.rate for term in part.terms]),
+        np.empty((3, multiples + 1)),
+        where,
+        out,
+    )
