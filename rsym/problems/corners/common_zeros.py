@@ -28,6 +28,7 @@ OVERLAP = 0.05  # of a side on each side: a zero on the side of a box lies insid
 DEEPEST = 27  # levels; then a box is 1e-9 of the whole, and rounded bounds can say no more of leaves that touch
 MANY, COARSE = 8, 10  # leaves in a box on the first levels, whose pairs are not looked at
 MOST = 1 << 15  # boxes at once: a contact in a point leaves a few
+SCATTER = 16.0  # boxes: rounded bounds leave some around a contact, with gaps
 STEPS = 6  # of Newton's method from a proved box
 ROUNDING = 8 * np.finfo(float).eps
 
@@ -71,7 +72,7 @@ def common_zeros(leaves: LeafBoxes, box: Boxes) -> list[CommonZero]:
         boxes, _ = halves(boxes)
     regular = _joined(np.hstack(zeros), np.concatenate(errors))
     reach = np.hypot(*boxes.sides)
-    left = _joined(boxes.centres, reach) if len(boxes) else []
+    left = _joined(boxes.centres, reach, SCATTER) if len(boxes) else []
     own = [one for one in regular if all(np.hypot(*(one[0] - other[0])) > 2 * other[1] for other in left)]
     every = [CommonZero(*one, False) for one in own] + [CommonZero(*one, True) for one in left]
     return sorted(every, key=lambda one: tuple(one.point))
@@ -159,12 +160,12 @@ def _polished(leaves: LeafBoxes, places: Floats, pairs: _Pairs) -> tuple[Floats,
     return places, error
 
 
-def _joined(places: Floats, radii: Floats) -> list[tuple[Floats, float]]:
-    """Points whose circles meet as one: the best known of them, and a radius around all."""
+def _joined(places: Floats, radii: Floats, scatter: float = 1.0) -> list[tuple[Floats, float]]:
+    """Points whose circles, so many times wider, meet as one: the best known of them, and a radius around all."""
     if not len(radii):
         return []
     apart = np.hypot(*(places[:, :, None] - places[:, None, :]))
-    one, other = np.nonzero(apart <= radii[:, None] + radii)
+    one, other = np.nonzero(apart <= scatter * (radii[:, None] + radii))
     count, group = connected_components(
         coo_matrix((np.ones(len(one)), (one, other)), shape=apart.shape), directed=False
     )

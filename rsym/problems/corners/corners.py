@@ -196,8 +196,9 @@ def _corner(
         return None
     slopes = leaves.at(meeting.point[:, None])[list(both), 1:, 0]
     angle = sector.opening if sector.opening in (0.0, 2 * math.pi) else _angle(slopes)
-    place, names = tuple(meeting.point.tolist()), tuple(named[k] for k in both)
-    return PlaneCorner(place, angle, both, names, tuple(map(tuple, slopes.tolist())), 0.0, alone)
+    (px, py), (qx, qy) = slopes.tolist()
+    place = float(meeting.point[0]), float(meeting.point[1])
+    return PlaneCorner(place, angle, both, (named[both[0]], named[both[1]]), ((px, py), (qx, qy)), 0.0, alone)
 
 
 def _angle(slopes: Floats) -> float:

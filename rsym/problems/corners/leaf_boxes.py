@@ -71,9 +71,10 @@ class LeafBoxes:
         """Whether the gradient is nowhere zero, (leaves, boxes), and, where leaves may have kinks, hardly turns."""
         low, high = bounds[:, 1:, 0], bounds[:, 1:, 1]
         with np.errstate(all="ignore"):
-            away: Flags = ((low > 0) | (high < 0)).any(axis=1)
+            away = ((low > 0) | (high < 0)).any(axis=1)
             spread = np.hypot(*(high - low).transpose(1, 0, 2)) / np.hypot(*(low / 2 + high / 2).transpose(1, 0, 2))
-            return away & (spread <= np.where(self.kinked, KINK, np.finfo(float).max)[:, None])
+            steady: Flags = away & (spread <= np.where(self.kinked, KINK, np.finfo(float).max)[:, None])
+        return steady
 
 
 def leaf_boxes(shape: Shape, letters: Mapping[Any, float] | None = None) -> LeafBoxes:

@@ -120,7 +120,7 @@ def _unknown(leaves: LeafBoxes, tips: Tips, pool: _Pool, others: tuple[Flags, Fl
     coarse = pool.boxes.sides.max(axis=0) > finest
     # Leaves through the corner itself, away from it and between the edges.
     met: Flags = (matter & through[:, owner]).any(axis=0) & between & coarse
-    inverse = np.linalg.inv(tips.gradients)[owner]
+    inverse = np.asarray(np.linalg.inv(tips.gradients), np.float64)[owner]
     return (matter & beyond[:, owner]).any(axis=0) | met | _folds(inverse, own[:, :, 1:].transpose(1, 0, 2, 3))
 
 

@@ -54,10 +54,10 @@ def sectors(
     for ray, following in zip(rays, [*rays[1:], rays[0]], strict=True):
         thin = ray.angle == following.angle and len(rays) > 1
         widths.append(0.0 if thin else (following.angle - ray.angle) % (2 * math.pi))
-        own = dict(enumerate(signs))
+        known_signs = dict(enumerate(signs))
         for leaf, slope in gradients.items():
-            own[leaf] = _sign(slope, hessians[leaf], ray, following, thin=thin)
-        known.append([own[k] for k in range(len(signs))])
+            known_signs[leaf] = _sign(slope, hessians[leaf], ray, following, thin=thin)
+        known.append([known_signs[k] for k in range(len(signs))])
         inside.append(_form(gates, known[-1]) > 0)
     found = []
     for start in range(len(rays)):
@@ -66,7 +66,8 @@ def sectors(
         length = next(n for n in range(1, len(rays)) if not inside[(start + n) % len(rays)])
         own = [(start + n) % len(rays) for n in range(length)]
         first, last = rays[start], rays[(start + length) % len(rays)]
-        opening = math.fsum(widths[k] for k in own)
+        rest = [widths[k] for k in range(len(rays)) if k not in own]
+        opening = math.fsum(widths[k] for k in own) if any(rest) else 2 * math.pi
         edges = _edge(gates, known[own[0]], first), _edge(gates, known[own[-1]], last)
         found.append(Sector(*edges, opening))
     return found

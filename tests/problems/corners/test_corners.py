@@ -137,6 +137,25 @@ def test_three_leaves_through_a_point():
     assert all(corner.reach > 0.9 for corner in tips)
 
 
+def test_a_leaf_through_a_corner_that_comes_back_between_its_edges_ends_the_reach():
+    shape = rsym.disc(1) & rsym.Shape(rsym.conjunction(x, y, x + y - 2 * x**2), (x, y))
+    (tip,) = (corner for corner in corners(shape) if math.hypot(*corner.point) < 1e-9)
+    assert_allclose(tip.angle, math.pi / 2, rtol=1e-12)
+    # The parabola comes back to the first edge in (1/2, 0); on its way it stays outside.
+    assert 0.45 < tip.reach <= 0.5
+
+
+def test_a_cusp_cut_through_its_tip_is_one_cusp_whichever_way_it_is_turned():
+    for turn in (0.0, 0.7, 2.9):
+        crescent = (rsym.disc(1) - rsym.disc(0.5, (0.5, 0))) & rsym.half_plane((0, 1), 0)
+        tip = math.cos(turn), math.sin(turn)
+        found = [c for c in corners(crescent.rotate(turn)) if math.dist(c.point, tip) < 1e-6]
+        assert [c.angle for c in found] == [0.0]
+        outward = rsym.Shape(rsym.conjunction(rsym.disjunction(-y, y - x**2, -x), 1 - x**2 - y**2), (x, y))
+        (cusp,) = (c for c in corners(outward.rotate(turn)) if c.is_cusp)
+        assert cusp.angle == 2 * math.pi
+
+
 def test_of_two_leaves_on_one_line_that_which_bounds_the_shape_is_the_edge():
     upper = rsym.disc(1) & half(math.pi / 2) & half(0)
     # The second half plane has the same line, and is elsewhere cut off by x <= -1/2.
