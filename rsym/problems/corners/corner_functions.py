@@ -76,7 +76,7 @@ class CornerFunctions:
     >>> [(kind, round(exponent, 6)) for kind, rate, exponent in found.terms]
     [('sin', 0.666667), ('sin', 1.333333)]
     >>> values, gradients, laplacians = found.at(np.array([[0.0, -0.25], [-0.25, 0.25], [0.25, 0.0]]))
-    >>> values.round(6).tolist()
+    >>> (values.round(6) + 0.0).tolist()
     [[0.0, 0.0], [0.194836, 0.0], [0.0, 0.0]]
     """
 
