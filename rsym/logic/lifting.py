@@ -47,7 +47,7 @@ def opened(form: SignForm) -> SignForm:
 
 def lifted(builder: Builder, number: int, few: int = FEW) -> int:
     """A node of the same value to the bit, with choices on top of sums and multiples if it has more than a few."""
-    choices = sum(builder.nodes[part].operation in CHOICES for part in live(builder.nodes, [number]))
+    choices = _choices(builder, number)
     if choices <= few:
         return number
     lifting = _Lifting(builder, GROWTH * choices)
@@ -57,6 +57,11 @@ def lifted(builder: Builder, number: int, few: int = FEW) -> int:
     return number if lifting.made > lifting.most else found
 
 
+def _choices(builder: Builder, number: int) -> int:
+    """How many minima, maxima and absolute values a node is made of."""
+    return sum(builder.nodes[part].operation in CHOICES for part in live(builder.nodes, [number]))
+
+
 class _Lifting:
     """What nodes become, by their numbers, and how many gates were `made`, at `most` so many."""
 
@@ -64,10 +69,16 @@ class _Lifting:
         self.builder, self.most, self.made = builder, most, 0
         self._done: dict[int, int] = {}
         self._weight: dict[int, int] = {}
+        self._large: dict[int, bool] = {}
 
     def operands(self, number: int) -> Sequence[int]:
-        """The arguments through which choices come to the top."""
+        """The arguments through which choices come to the top.
+
+        Of a sum they come from one side, and all leaves they choose from hold the other side: it must be small.
+        """
         operation, arguments, _ = self.builder.nodes[number]
+        if operation == "add" and all(self._is_large(argument) for argument in arguments):
+            return ()
         if operation in CHOICES or operation in {"add", "neg"}:
             return arguments
         return arguments[1:] if operation == "mul" and self._factor(number) else ()
@@ -93,6 +104,12 @@ class _Lifting:
         k = 0 if self._gates(below[0]) >= self._gates(below[1]) else 1
         other = arguments[1 - k]
         return self._over(below[k], lambda part: make("add", *((part, other) if k == 0 else (other, part))))
+
+    def _is_large(self, number: int) -> bool:
+        """Whether a node holds more choices than are evaluated everywhere."""
+        if number not in self._large:
+            self._large[number] = _choices(self.builder, number) > FEW
+        return self._large[number]
 
     def _factor(self, number: int) -> float:
         """The constant that a node is a multiple by, 0 if it is none."""

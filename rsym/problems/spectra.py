@@ -152,7 +152,7 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
         estimate=None,
         grades=(),
         unresolved=getattr(rule, "unresolved", 0.0),
-    )
+    ).of_corners(problem.corners)
     found = []
     for value, vector in zip(values, vectors.T, strict=True):
         size = np.sqrt(abs(vector @ (masses @ vector)))

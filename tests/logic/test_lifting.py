@@ -92,6 +92,16 @@ def test_what_is_small_or_would_grow_too_much_stays():
     assert opened(form) is form
 
 
+def test_of_two_large_sides_of_a_sum_none_is_lifted_over_the_other():
+    # Each of the hundred leaves would hold the other side in whole, to be compiled and evaluated a hundred times.
+    shape, _, _ = many_balls(100, 3, rsym.R1)
+    body = shape.expression
+    form = surface_form(rsym.Shape(body + 1 / (100 + 900 * body**2), (x, y, z)))
+    assert opened(form) is form
+    lifted_one = opened(surface_form(rsym.Shape(body + 1 / (100 + 900 * x**2), (x, y, z))))
+    assert len(lifted_one.leaves) == 100
+
+
 def test_an_offset_of_many_balls_is_meshed_by_what_matters():
     shape, centres, radii = many_balls(80, 3, rsym.R1)
     offset = rsym.Shape(3 * shape.expression - sp.Rational(3, 500), (x, y, z), bounds=shape.bounds)
