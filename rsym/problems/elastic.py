@@ -108,8 +108,8 @@ def elasticity(
     shape: Shape,
     conditions: Any,
     *,
-    young: Any,
-    poisson: Any,
+    young: Any = 1,
+    poisson: Any = 0.3,
     loads: Mapping[str, Any] | None = None,
     body: Any = (0, 0),
     strain: bool = False,
@@ -127,7 +127,7 @@ def elasticity(
         Names of parts to displacements ``(along x, along y)``, numbers or expressions; None in the place of one leaves
         it free. ``...`` is the rest.
     young, poisson : number
-        Young's modulus and Poisson's ratio.
+        Young's modulus, which is a unit of stress by default, and Poisson's ratio.
     loads : mapping, optional
         Names of parts to tractions ``(along x, along y)``, or a number or expression for a pressure.
     body : pair

@@ -111,6 +111,13 @@ def equation_of(
             code="not-elliptic",
             remedy='for example "-laplacian(u) = 1"',
         )
+    varying = {*coordinates, *map(real_symbol, functions)}.intersection(made.bending.free_symbols)
+    if varying:
+        raise RsymError(
+            f"what stands before bilaplacian(u) depends on {sorted(map(str, varying))[0]}",
+            code="equation",
+            remedy="divide the equation by it",
+        )
     # laplacian(u) = f and -laplacian(u) = -f are one equation.
     leading = made.bending if made.bending != 0 else made.diffusion[0][0]
     return _negated(made) if leading.is_negative else made

@@ -89,15 +89,12 @@ class Discretisation:
         self._require_elliptic(values, points)
         form = np.zeros((len(points), self.kinds, self.kinds))
         for i in range(dimension):
-            form[:, 1 + i, 0] = 0.0
             form[:, 0, 1 + i] = weights * values[f"b{i}"]
             for j in range(dimension):
                 form[:, 1 + i, 1 + j] = weights * values[f"a{i}{j}"]
         form[:, 0, 0] = weights * values["c"]
         if self.problem.order == 2:
-            second = [
-                1 + dimension + k for k, index in enumerate(derivatives(dimension, 2)[1 + dimension :]) if 2 in index
-            ]
+            second = [k for k, index in enumerate(derivatives(dimension, 2)) if 2 in index]
             for i in second:
                 for j in second:
                     form[:, i, j] = weights * values["d"]

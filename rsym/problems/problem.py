@@ -167,11 +167,11 @@ def with_corners(problem: Problem) -> Problem:
     def loaded(corners: Sequence[PlaneCorner]) -> list[bool]:
         points = np.array([corner.point for corner in corners]).reshape(-1, 2)
         sizes = np.abs(problem.coefficients(points)[place])
-        return (sizes > NO_LOAD * sizes.max(initial=0.0)).tolist()
+        return [bool(size > NO_LOAD * sizes.max()) for size in sizes]
 
     valued = problem.leaves(*VALUED)
     natural = [leaf for leaf in range(len(problem.form.leaves)) if leaf not in valued]
-    return replace(problem, corners=chosen_corners(problem.shape, natural, loaded))
+    return replace(problem, corners=chosen_corners(problem.shape, natural, loaded, axis=problem.axis))
 
 
 def value_at(shape: Shape, value: Any, points: Floats) -> Floats:

@@ -119,16 +119,13 @@ class SolutionReport(Report):
         """The same, knowing of corners."""
         if choice is None:
             return self
-        refused = tuple(f"{error.message}{f', {error.where}' if error.where else ''}" for error in choice.refused)
-        return replace(self, corners=len(choice.corners), left=len(choice.left), refused=refused)
+        return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
 
     def _of_corners(self) -> list[str]:
         """Which corners have functions of their own, and which do not though solutions are not smooth there."""
-        told = []
-        if self.corners:
-            told.append(f"{plural(self.corners, 'corner')} of the shape: there are functions like solutions there.")
-        if self.left:
-            told.append(f"{plural(self.left, 'corner')} without such functions: splines alone are less accurate there.")
+        own = f"{plural(self.corners, 'corner')} of the shape: there are functions like solutions there."
+        less = f"{plural(self.left, 'corner')} without such functions: splines alone are less accurate there."
+        told = [line for line, count in ((own, self.corners), (less, self.left)) if count]
         told += [f"No such functions where corners are not known: {reason}." for reason in self.refused]
         return told
 
@@ -383,7 +380,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
             code="degree",
         )
     discrete = Discretisation(problem, rule, degree)
-    definite = problem.equation.symmetric and not problem.equation.reaction.is_negative
+    definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
     found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
     inner = discrete.splines.extension.shape[1]
     told = SolutionReport(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import sympy as sp
 from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported, UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
+from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
@@ -130,7 +132,7 @@ def problem_of(
     named, numbers = {}, {}
     for key, value in (letters or {}).items():
         name = str(key)
-        is_number = isinstance(value, int | float | sp.Number)
+        is_number = isinstance(value, int | float | Fraction | sp.Number | Letter)
         if name in shape.letters or is_number:
             numbers[name] = value
         else:
@@ -150,9 +152,26 @@ def problem_of(
     on_leaves = resolved(shape, conditions)
     unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
     made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
+    _require_fitting(made)
     if single:
         _require_single(made)
     return made
+
+
+def _require_fitting(problem: Problem) -> None:
+    """Refuse conditions of another order than the equation's."""
+    if problem.order == 1 and problem.leaves(Clamped):
+        raise RsymError(
+            "rsym.clamped() gives a value and a slope, one too many for an equation of the second order",
+            code="condition",
+            remedy="give a value, rsym.neumann or rsym.robin; or an equation with bilaplacian(u)",
+        )
+    if problem.order == 2 and any(any(problem.conditions[leaf].values) for leaf in problem.leaves(Robin)):  # type: ignore[union-attr]
+        raise RsymError(
+            "conditions on du/dn alone are none of a plate",
+            code="condition",
+            remedy="rsym.clamped(), rsym.supported(), or nothing for a free edge",
+        )
 
 
 def _require_single(problem: Problem) -> None:

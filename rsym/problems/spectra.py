@@ -38,6 +38,8 @@ class Spectrum:
         Functions of the coordinates; the sign of each is such that its largest value is positive.
     grades : tuple
         The refinement, of which the last estimate is a share of each eigenvalue.
+    mass
+        As it was given.
 
     Examples
     --------
@@ -52,11 +54,19 @@ class Spectrum:
     values: Floats
     modes: tuple[Solution, ...]
     grades: tuple[Grade, ...] = ()
+    mass: Any = 1
 
     def __repr__(self) -> str:
         return (
             f"<Spectrum of {plural(len(self.values), 'eigenvalue')} from {self.values[0]:.6g} to {self.values[-1]:.6g}>"
         )
+
+    def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
+        """The same for other letters, with the same cells and degree: nothing is compiled."""
+        problem, report = self.modes[0].problem, self.modes[0].report
+        other = replace(problem, shape=problem.shape.with_letters(values), corners=None)
+        other = other if problem.corners is None else with_corners(other)
+        return _spectrum(other, report.cells, report.degree, len(self.values), self.mass)
 
 
 def modes(
@@ -168,7 +178,7 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
         if sampled[np.argmax(np.abs(sampled))] < 0:
             one = replace(one, coefficients=-one.coefficients, others=-one.others)
         found.append(with_rule(one, rule))
-    return Spectrum(values, tuple(found))
+    return Spectrum(values, tuple(found), mass=mass)
 
 
 def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:

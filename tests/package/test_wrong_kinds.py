@@ -44,7 +44,9 @@ def needed(function):
     except ValueError:
         return 1
     places = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    return max(1, sum(one.kind in places and one.default is one.empty for one in parameters))
+    return min(len(parameters), 1) and max(
+        1, sum(one.kind in places and one.default is one.empty for one in parameters)
+    )
 
 
 @pytest.mark.filterwarnings("ignore")

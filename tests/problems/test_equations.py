@@ -91,6 +91,7 @@ def test_in_space_there_are_three_derivatives():
         ("-laplace(u) = 1", "unknown-name", "no function 'laplace'"),
         ("-laplacian(u) = __import__(1)", "name", "not a name"),
         ("-diff(u, k) = 1", "equation", "by coordinates"),
+        ("(1 + x^2)*bilaplacian(u) = 1", "equation", "depends on x"),
         ("-dot(grad(u), grad(u)) = 1", "equation", "without u"),
     ],
 )

@@ -164,6 +164,8 @@ def test_any_turn_and_shift_of_the_grid_has_the_same_error():
         ("-diff(u, x, x) + diff(u, y, y) = 1", 0, "not-elliptic"),
         ("-div(x*grad(u)) = 1", 0, "not-elliptic"),
         ("-2*diff(u, x, x) - diff(u, y, y) = 0", {"rim": rsym.neumann(1), ...: 0}, "condition"),
+        ("-laplacian(u) = 1", rsym.clamped(), "condition"),
+        ("bilaplacian(u) = 1", {"rim": rsym.neumann(1), ...: 0}, "condition"),
     ],
 )
 def test_what_has_no_answer_is_refused_with_a_remedy(text, conditions, code):

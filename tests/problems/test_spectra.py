@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.special import jn_zeros, jnp_zeros
 
 import rsym
@@ -55,3 +56,9 @@ def test_what_is_not_homogeneous_is_refused():
         rsym.modes(rsym.disc(1), 1, 1, cells=8)
     with pytest.raises(rsym.RsymError, match="no part 'rin'"):
         rsym.modes(rsym.disc(1).named("rim"), 1, {}, mass={"rin": 1}, cells=8)
+
+
+def test_letters_of_a_spectrum():
+    r = sp.Symbol("r", real=True)
+    drum = rsym.modes(rsym.disc(r, letters={r: 1}), 2, cells=12, mass=2)
+    np.testing.assert_allclose(drum.with_letters({"r": 0.5}).values, 4 * drum.values, rtol=1e-9)

@@ -14,6 +14,7 @@ from rsym.problems.corners.corners import PlaneCorner, surveyed_corners
 
 MOST = 400  # functions, each of which meets all others
 COUNTS = (7, 3), (4, 2), (3, 1), (1, 1)  # of rates and levels at each corner, fewer where there are many corners
+ON_AXIS = 1e-6  # of the size of a shape
 SMOOTH = 5.0  # from this exponent on splines do as well
 
 
@@ -26,10 +27,10 @@ class CornerChoice:
     >>> import rsym
     >>> ell = rsym.rectangle(2, 2) - rsym.rectangle(1, 1).translate(0.5, 0.5)
     >>> chosen = chosen_corners(ell, (), lambda corners: [False] * len(corners))
-    >>> [(corner.point, corner.is_reentrant) for corner in chosen.corners], chosen.left
-    ([((0.0, 0.0), True)], ())
-    >>> len(chosen_corners(ell, (), lambda corners: [True] * len(corners)).corners)
-    6
+    >>> [round(corner.angle / 3.14159265359, 9) for corner in chosen.corners], chosen.left
+    ([1.5], ())
+    >>> [error.code for error in chosen.refused]  # the sides x = 1 and y = 1 are those of both
+    ['degenerate']
     """
 
     functions: CornerFunctions
@@ -41,20 +42,30 @@ class CornerChoice:
         """Those with functions, each once."""
         return tuple(part.corner for part in self.functions.parts)
 
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why corners were refused, and where."""
+        return tuple(f"{error.message}{f', {error.where}' if error.where else ''}" for error in self.refused)
+
 
 def chosen_corners(
     shape: Shape,
     natural: Collection[int],
     loaded: Callable[[Sequence[PlaneCorner]], Sequence[bool]],
+    *,
     most: int = MOST,
+    axis: int = -1,
 ) -> CornerChoice:
     """At most so many functions, fewer at each corner if there are many; corners with the least exponents come first.
 
     natural : the leaves on which nothing is prescribed.
     loaded : says of corners whether there is a load.
+    axis : the coordinate along the axis of a body of revolution: corners on it have the exponents of cones, and none.
     """
     every, refused = surveyed_corners(shape)
-    sharp = [corner for corner in every if not corner.is_cusp]
+    size = max((abs(value) for corner in every for value in corner.point), default=1.0)
+    conical = [axis >= 0 and abs(corner.point[1 - axis]) <= ON_AXIS * size for corner in every]
+    sharp = [corner for corner, cone in zip(every, conical, strict=True) if not (cone or corner.is_cusp)]
     needed = _rough(sharp, loaded(sharp), natural)
     for terms, levels in COUNTS:
         sizes = [len(terms_at(corner, natural, terms=terms, levels=levels, load=load)) for corner, load in needed]
@@ -64,7 +75,8 @@ def chosen_corners(
     kept = sorted(needed[:count], key=lambda one: one[0].point)
     places, loads = [corner for corner, _ in kept], [load for _, load in kept]
     functions = corner_functions(shape, places, natural, terms=terms, levels=levels, load=loads)
-    left = [corner for corner in every if corner.is_cusp] + [corner for corner, _ in needed[count:]]
+    bare = [one for one, cone in zip(every, conical, strict=True) if one.is_cusp or (cone and one.is_reentrant)]
+    left = [*bare, *(corner for corner, _ in needed[count:])]
     return CornerChoice(functions, tuple(sorted(left, key=lambda corner: corner.point)), refused)
 
 

@@ -31,7 +31,6 @@ MOST = 1 << 15  # boxes at once: a contact in a point leaves a few
 SCATTER = 16.0  # boxes: rounded bounds leave some around a contact, with gaps
 STEPS = 6  # of Newton's method from a proved box
 ROUNDING = 8 * np.finfo(float).eps
-DEGENERATE = "degenerate"
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,12 @@ class _Pairs(NamedTuple):
     other: Ints
 
 
-def common_zeros(leaves: LeafBoxes, box: Boxes) -> list[CommonZero]:
-    """The points in a box where leaves that matter meet, each once, in the order of their coordinates."""
+def common_zeros(leaves: LeafBoxes, box: Boxes) -> tuple[list[CommonZero], tuple[RsymError, ...]]:
+    """The points in a box where leaves that matter meet, each once, in the order of their coordinates.
+
+    Where leaves have more in common than points nothing is found, and why is in the second answer.
+    """
+    refused: tuple[RsymError, ...] = ()
     boxes, zeros, errors = grid(box, FIRST), [np.empty((2, 0))], [np.empty(0)]
     floor = ROUNDING * float(np.abs([box.lower, box.upper]).max())
     for level in range(DEEPEST):
@@ -69,14 +72,15 @@ def common_zeros(leaves: LeafBoxes, box: Boxes) -> list[CommonZero]:
         if not len(boxes):
             break
         if len(boxes) > MOST:
-            raise _degenerate(leaves, boxes)
+            refused, boxes = (_degenerate(boxes),), boxes[np.empty(0, np.int64)]
+            break
         boxes, _ = halves(boxes)
     regular = _joined(np.hstack(zeros), np.concatenate(errors))
     reach = np.hypot(*boxes.sides)
     left = _joined(boxes.centres, reach, SCATTER) if len(boxes) else []
     own = [one for one in regular if all(np.hypot(*(one[0] - other[0])) > 2 * other[1] for other in left)]
     every = [CommonZero(*one, False) for one in own] + [CommonZero(*one, True) for one in left]
-    return sorted(every, key=lambda one: tuple(one.point))
+    return sorted(every, key=lambda one: tuple(one.point)), refused
 
 
 def _distinct(matter: Flags, lines: tuple[int, ...]) -> Flags:
@@ -179,11 +183,11 @@ def _joined(places: Floats, radii: Floats, scatter: float = 1.0) -> list[tuple[F
     return found
 
 
-def _degenerate(leaves: LeafBoxes, boxes: Boxes) -> RsymError:
+def _degenerate(boxes: Boxes) -> RsymError:
     place = boxes.centres[:, 0]
     return RsymError(
         "two leaves vanish along the same piece of a line, or the gradient of one does",
-        code=DEGENERATE,
+        code="degenerate",
         where=f"near ({place[0]:.6g}, {place[1]:.6g})",
         remedy="write the common piece as one part, with one formula",
     )

@@ -15,7 +15,7 @@ from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import shape_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.corners.common_zeros import DEGENERATE, CommonZero, common_zeros
+from rsym.problems.corners.common_zeros import CommonZero, common_zeros
 from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
 from rsym.problems.corners.leaf_jets import leaf_jets
 from rsym.problems.corners.reaches import Tips, reaches
@@ -127,7 +127,7 @@ def corners(shape: Shape, letters: Mapping[Any, float] | None = None, bounds: An
 def surveyed_corners(
     shape: Shape, letters: Mapping[Any, float] | None = None, bounds: Any = None
 ) -> tuple[tuple[PlaneCorner, ...], tuple[RsymError, ...]]:
-    """The `corners` of a shape, and in place of those that are refused the reasons; ``degenerate`` is one for all.
+    """The `corners` of a shape, and in place of those that are refused the reasons.
 
     Examples
     --------
@@ -147,13 +147,8 @@ def surveyed_corners(
     named = leaf_names(shape_form(shape), shape)
     found: list[PlaneCorner] = []
     met: list[Ints] = []
-    refused: list[RsymError] = []
-    try:
-        meetings = common_zeros(leaves, box)
-    except RsymError as error:
-        if error.code != DEGENERATE:
-            raise
-        return (), (error,)
+    meetings, along = common_zeros(leaves, box)
+    refused = list(along)
     for meeting in meetings:
         try:
             zeros, own = _at(shape, leaves, meeting, letters)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
 from rsym.arrays import Floats
+from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
 
 # Unknowns up to which a system is factored; a factor of 30 000 of degree 4 in the plane takes about a second.
@@ -67,12 +71,20 @@ def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, di
 
 
 def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
-    """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads."""
+    """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads. Rows are by themselves."""
+    threads = checked_threads(None)
+    bounds = np.linspace(0, len(right), threads + 1).astype(int)
+    blocks = [matrix[first:last] for first, last in pairwise(bounds.tolist())]
+    with ThreadPoolExecutor(threads) as pool:
+        return _iterated(lambda x: np.concatenate(list(pool.map(lambda block: block @ x, blocks))), right)
+
+
+def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int]:
     found, residual = np.zeros_like(right), right.copy()
     direction, size = residual.copy(), float(np.sum(residual * residual))
     enough = SMALL**2 * size
     for step in range(1, MOST_STEPS + 1):
-        image = matrix @ direction
+        image = product(direction)
         length = size / float(np.sum(direction * image))
         found += length * direction
         residual -= length * image

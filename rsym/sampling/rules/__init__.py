@@ -5,7 +5,7 @@ In comes a shape, out come points and weights inside and on the boundary. In the
 - `leaf_functions`: the leaves of the sign form at points and over boxes
 - `division`: cells divided until each is inside, outside, or has a height along which its leaves only rise or fall
 - `isolation`: all roots of functions of one variable; `curves`: the functions of one variable in a cut cell
-- `columns`: Gauss, roots, Gauss on cut cells in the plane; `segments`: of their bases; `lines`,
+- `columns`, `bases`: Gauss, roots, Gauss on cut cells in the plane; `segments`: of their bases; `lines`,
   `walks`: along their heights
 - `space`: the same over the parts of a plane base
 - `quadrature`: `rsym.quadrature`; `refinement`: until two rules agree; `integrals`: `rsym.integrate`; `measures`:

@@ -13,7 +13,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.columns import CellRule, Columns, gauss
-from rsym.sampling.rules.curves import EndCurves, Gaps, along, gap_bounds, placed
+from rsym.sampling.rules.curves import EndCurves, Gaps, along, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
 from rsym.sampling.rules.lines import Lines
@@ -111,7 +111,7 @@ class _Bases:
         above, _ = curves.evaluate(every, right)
         brackets, double, middles = isolate(curves, left, right, below, above, least, most)
         found = np.concatenate([brackets.which, double])
-        return own[found], np.concatenate([roots(curves, brackets), middles])
+        return own[found], np.concatenate([meetings(curves, brackets), middles])
 
     def rule(self, segments: Segments, order: int) -> CellRule:
         """The points on lines across segments, and on upright leaves."""

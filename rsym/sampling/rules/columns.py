@@ -80,9 +80,9 @@ class Columns:
         leaf, own = pieces.leaf[pair], piece[line]
         curves = Risers(self.functions, leaf, pieces.axis[own], base[..., line])
         lower, upper = self.height[:, own]
-        below, _ = curves.evaluate(np.arange(len(line)), lower)
+        below = curves.distances(np.arange(len(line)), lower)
         above, rising = below.copy(), np.flatnonzero(~self.upright[pair])
-        above[rising] = curves.evaluate(rising, upper[rising])[0]
+        above[rising] = curves.distances(rising, upper[rising])
         root = heights_between(curves, lower, upper, below, above)
         begin = starts(np.diff(pieces.start)[piece])
         ends, upright = self.height[:, piece], self.upright[pair]

@@ -14,6 +14,8 @@ from rsym.arrays import Floats, Ints
 from rsym.sampling.rules.division import BoundedFunctions
 from rsym.sampling.rules.isolation import Brackets, roots
 
+NEWTON_STEPS = 7
+
 
 def placed(height_axis: Ints, base: Floats, height: Floats) -> Floats:
     """Points (dim, n) with these places (n,), or (2, n) in space, along the base and along the height."""
@@ -27,7 +29,8 @@ def placed(height_axis: Ints, base: Floats, height: Floats) -> Floats:
 
 def along(gradient: Floats, axis: Ints) -> Floats:
     """One component of gradients (dim, n), or of their bounds (dim, 2, n)."""
-    return np.take_along_axis(gradient, axis.reshape(1, *[1] * (gradient.ndim - 2), -1), axis=0)[0]
+    found: Floats = np.take_along_axis(gradient, axis.reshape(1, *[1] * (gradient.ndim - 2), -1), axis=0)[0]
+    return found
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,14 @@ class Risers:
         axis = self.axis[which]
         value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[..., which], at))
         return value, along(gradient, axis)
+
+    def distances(self, which: Ints, at: Floats) -> Floats:
+        """Values, over the lengths of gradients shorter than 1: near singular points small values count."""
+        axis = self.axis[which]
+        value, gradient = self.functions.evaluate(self.leaf[which], placed(axis, self.base[..., which], at))
+        length = np.sqrt((gradient**2).sum(axis=0))
+        found: Floats = value / np.where((length > 0) & (length < 1), length, 1.0)
+        return found
 
     def enclose(self, which: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Never asked: they only rise or fall."""
@@ -133,6 +144,30 @@ class Gaps:
         ends = placed(axis, lower, self.lower[which]), placed(axis, upper, self.upper[which])
         one, other = (self.functions.enclose(self.leaf[k, which], *ends)[1] for k in (0, 1))
         return gap_bounds(one, other, axis)
+
+
+def meetings(gaps: Gaps, brackets: Brackets) -> Floats:
+    """Where gaps are zero, once in each bracket: Newton for both leaves at once, else height by height."""
+    which, axis = brackets.which, gaps.axis[brackets.which]
+    leaf, both = gaps.leaf[:, which].ravel(), np.tile(axis, 2)
+    with np.errstate(all="ignore"):
+        share = brackets.below / (brackets.below - brackets.above)
+        base = brackets.lower + share * (brackets.upper - brackets.lower)
+        height = gaps.lower[which] / 2 + gaps.upper[which] / 2
+        for _ in range(NEWTON_STEPS):
+            places = placed(both, np.tile(base, 2), np.tile(height, 2))
+            value, gradient = gaps.functions.evaluate(leaf, places)
+            (f, g), (p, q) = value.reshape(2, -1), along(gradient, 1 - both).reshape(2, -1)
+            u, v = along(gradient, both).reshape(2, -1)
+            across, up = (f * v - g * u) / (p * v - q * u), (p * g - q * f) / (p * v - q * u)
+            base, height = base - across, height - up
+        near = gaps.tolerance
+        good = (np.abs(across) + np.abs(up) <= near) & (base >= brackets.lower - near) & (base <= brackets.upper + near)
+        good &= (height >= gaps.lower[which] - near) & (height <= gaps.upper[which] + near)
+    bad = np.flatnonzero(~good)
+    ends = (brackets.lower, brackets.upper, brackets.below, brackets.above)
+    base[bad] = roots(gaps, Brackets(which[bad], *(end[bad] for end in ends)))
+    return base
 
 
 def gap_bounds(one: Floats, other: Floats, axis: Ints) -> tuple[Floats, Floats]:

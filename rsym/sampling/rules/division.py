@@ -27,13 +27,27 @@ GRADED = 28  # levels of division towards a given point
 class BoundedFunctions(Protocol):
     """What divides a cell: functions with bounds."""
 
-    dimension: int
-    tolerance: float
-    gates: Ints | None  # none: every part is wanted, and the functions only part the cells
-    walls: Flags  # of functions that part cells, those that are the boundary's
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+
+    @property
+    def tolerance(self) -> float:
+        """A value up to this is zero to rounding."""
+
+    @property
+    def gates(self) -> Any:
+        """Rows of whole numbers; None: every part is wanted, and the functions only part the cells."""
+
+    @property
+    def walls(self) -> Flags:
+        """Of functions that part cells, which are the boundary's."""
 
     def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
-        """From bounds of values the signs of all leaves, the verdict on each piece, and which of its leaves matter."""
+        """From bounds of values the signs of all leaves, the verdict on each piece, and which of its leaves matter.
+
+        The pieces have bounds of gradients: where these vanish values are as small as their squares.
+        """
 
     def evaluate(self, leaf: Ints, points: Floats) -> tuple[Floats, Floats]:
         """Values (n,) of leaf[k] at point k of (dim, n), and gradients (dim, n)."""
@@ -193,8 +207,9 @@ def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats, limits: 
         if not len(pieces):
             break
         value, gradient = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
+        pieces = replace(pieces, gradient=gradient)
         signs, verdict, kept = functions.judge(pieces, value)
-        pieces = replace(pieces, gradient=gradient, signs=signs)
+        pieces = replace(pieces, signs=signs)
         towards = close(pieces, near) if level < GRADED else np.zeros(len(pieces), bool)
         full = (verdict == INSIDE) & ~towards
         inside.append((pieces.lower[:, full], pieces.upper[:, full], pieces.owner[full]))

@@ -9,7 +9,7 @@ is given. Nothing here depends on which functions are asked for together.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -26,7 +26,9 @@ HASTE = 8  # Newton steps before every third one halves the bracket
 class Curves(Protocol):
     """BoundedFunctions of one variable, by their numbers."""
 
-    tolerance: float
+    @property
+    def tolerance(self) -> float:
+        """A value up to this is zero to rounding."""
 
     def evaluate(self, which: Ints, at: Floats) -> tuple[Floats, Floats]:
         """Values and slopes."""
@@ -57,30 +59,30 @@ def isolate(
     which = np.arange(len(lower))
     found: list[tuple[Ints, ...]] = []
     double: list[tuple[Ints, Floats]] = []
-    tolerance = curves.tolerance
     for level in range(HALVINGS + 1):
+        steepest = np.maximum(np.abs(least), np.abs(most))
+        tolerance = curves.tolerance * np.minimum(1.0, steepest)
         changes = (below > tolerance) != (above > tolerance)
         done = (least > 0) | (most < 0)
-        steepest = np.maximum(np.abs(least), np.abs(most))
         # No root where the ends are too large for the slope: half the interval from each.
         reach = steepest * (upper - lower)
         done |= ~changes & (np.abs(below) + np.abs(above) > reach + 2 * tolerance)
         take = done & changes
         found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
         going = ~done & ~(np.abs(below) + reach <= tolerance)  # zero all along
-        which, lower, upper, below, above, least, most = (
-            a[going] for a in (which, lower, upper, below, above, least, most)
-        )
+        rest: Any = [a[going] for a in (which, lower, upper, below, above, least, most)]
+        which, lower, upper, below, above, least, most = rest
         if not len(which):
             break
         crowd = np.bincount(which)[which] > MOST
         if level == HALVINGS or crowd.any():
             last = crowd | (level == HALVINGS)
-            changes = (below > tolerance) != (above > tolerance)
+            changes = changes[going]
             take = last & changes
             found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
             double.append((which[last & ~changes], (lower / 2 + upper / 2)[last & ~changes]))
-            which, lower, upper, below, above = (a[~last] for a in (which, lower, upper, below, above))
+            rest = [a[~last] for a in (which, lower, upper, below, above)]
+            which, lower, upper, below, above = rest
             if not len(which):
                 break
         middle = lower / 2 + upper / 2
@@ -99,7 +101,7 @@ def roots(curves: Curves, brackets: Brackets) -> Floats:
     """The root in each bracket, by Newton steps that never leave it; where a value at an end is zero, that end."""
     lower, upper, below, above = (a.copy() for a in (brackets.lower, brackets.upper, brackets.below, brackets.above))
     found = np.where(np.abs(below) <= np.abs(above), lower, upper)
-    live = np.flatnonzero(np.minimum(np.abs(below), np.abs(above)) > curves.tolerance / 64)
+    live = np.flatnonzero(below * np.sign(above) < 0)
     with np.errstate(all="ignore"):
         place = lower - below * ((upper - lower) / (above - below))
     a, b, x = lower[live], upper[live], place[live]
@@ -119,5 +121,6 @@ def roots(curves: Curves, brackets: Brackets) -> Floats:
         if number >= HASTE and number % 3 == 0:
             following = a / 2 + b / 2
         going = ~done
-        live, which, a, b, x, rising, near = (v[going] for v in (live, which, a, b, following, rising, near))
+        rest: Any = [v[going] for v in (live, which, a, b, following, rising, near)]
+        live, which, a, b, x, rising, near = rest
     return found

@@ -82,7 +82,9 @@ class LeafFunctions:
         """From bounds of values the signs of all leaves, the sign of the form, and which leaves that depends on."""
         signs, verdict = pieces.signs.copy(), np.zeros(len(pieces), np.int64)
         kept = np.zeros(len(pieces.leaf), np.bool_)
-        judge_form(self.gates, self.tolerance, pieces.start, pieces.leaf, value, signs, verdict, kept)
+        steepest = np.abs(pieces.gradient).max(axis=1).sum(axis=0)
+        tolerance = self.tolerance * np.minimum(1.0, steepest)
+        judge_form(self.gates, tolerance, pieces.start, pieces.leaf, value, signs, verdict, kept)
         return signs, verdict, kept
 
     def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
@@ -113,7 +115,8 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
     plain = surface_form(shape, *across(shape))
     form, owner = _smooth(plain)
     if capped:
-        sides = len(plain.leaves) + np.arange(6)
+        # Those across a plane are never met, and have no names.
+        sides = len(plain.leaves) + np.minimum(np.arange(6), 2 * shape.dimension - 1)
         return RuleForm(form.capped(), plain.capped(), np.concatenate([owner, sides]))
     return RuleForm(form, plain, owner)
 
@@ -154,7 +157,7 @@ def _kernels(form: SignForm) -> Any:
 
 @loop
 def judge_form(
-    gates: Any, tolerance: float, start: Any, leaf: Any, value: Any, signs: Any, verdict: Any, kept: Any
+    gates: Any, tolerance: Any, start: Any, leaf: Any, value: Any, signs: Any, verdict: Any, kept: Any
 ) -> None:
     """Signs of leaves from their bounds, the sign of the form, and which leaves of open sign that depends on."""
     leaves, count = signs.shape[1], len(gates)
@@ -162,9 +165,9 @@ def judge_form(
     wanted = np.zeros(leaves + count, np.bool_)
     for piece in range(len(verdict)):
         for pair in range(start[piece], start[piece + 1]):
-            if value[0, pair] > tolerance:
+            if value[0, pair] > tolerance[pair]:
                 signs[piece, leaf[pair]] = 1
-            elif value[1, pair] < -tolerance:
+            elif value[1, pair] < -tolerance[pair]:
                 signs[piece, leaf[pair]] = -1
         for k in range(leaves):
             known[k] = signs[piece, k]

@@ -53,38 +53,36 @@ class Lines:
     def walked(self, weight: Floats, signs: Any) -> tuple[Panels, Panels]:
         """What is inside, and where the boundary crosses."""
         most = len(self.leaf) + 2 * len(self.piece)
-        panels, edges = (
-            (np.empty((3, most)), np.empty((2, most), np.int64)),
-            (np.empty((3, most)), np.empty((2, most), np.int64)),
-        )
+        panels: Any = np.empty((3, most)), np.empty((2, most), np.int64)
+        edges: Any = np.empty((3, most)), np.empty((2, most), np.int64)
         sizes = np.zeros(2, np.int64)
-        room = (*panels, *edges, sizes, self._order())
-        if self.functions.gates is None:
-            walls = self.functions.walls[self.leaf]
-            walk_parts(self.functions.tolerance, self.ends, weight, *self._leaves(), walls, *room)
+        functions, room = self.functions, (*panels, *edges, sizes, self._order())
+        about: Any = (functions.tolerance, self.ends, weight, *self._leaves())
+        if functions.gates is None:
+            arguments: Any = (*about, functions.walls[self.leaf], *room)
+            walk_parts(*arguments)
         else:
-            walk_inside(
-                self.functions.gates, self.functions.tolerance, self.ends, weight, *self._leaves(), signs, *room
-            )  # fmt: skip
-        return _panels(*panels, sizes[0]), _panels(*edges, sizes[1])
+            arguments = (functions.gates, *about, signs, *room)
+            walk_inside(*arguments)
+        return _panels(panels, sizes[0]), _panels(edges, sizes[1])
 
     def chosen(self, which: Ints) -> Lines:
         """Some of the lines."""
         counts = np.diff(self.begin)[which]
         pairs = span(self.begin[:-1][which], counts)
-        parts = (a[pairs] for a in (self.leaf, self.upright, self.below, self.above, self.root))
+        parts: Any = [a[pairs] for a in (self.leaf, self.upright, self.below, self.above, self.root)]
         ends = self.ends[:, which]
         return Lines(self.functions, self.piece[which], self.base[..., which], ends, starts(counts), *parts)
 
     def walked_upright(self, kind: Ints, left: Any, right: Any, weight: Floats) -> Panels:
         """Where the boundary runs along the lines."""
         most = len(self.leaf) + len(self.piece)
-        edges, sizes = (np.empty((3, most)), np.empty((2, most), np.int64)), np.zeros(1, np.int64)
-        walk_upright(
-            self.functions.gates, self.functions.tolerance, self.ends, kind, weight, *self._leaves(), left, right,
-            *edges, sizes, self._order(),
-        )  # fmt: skip
-        return _panels(*edges, sizes[0])
+        edges: Any = np.empty((3, most)), np.empty((2, most), np.int64)
+        sizes = np.zeros(1, np.int64)
+        sides: Any = (left, right, *edges, sizes, self._order())
+        functions = self.functions
+        walk_upright(functions.gates, functions.tolerance, self.ends, kind, weight, *self._leaves(), *sides)
+        return _panels(edges, sizes[0])
 
     def _leaves(self) -> tuple[Any, ...]:
         return self.begin, self.leaf, self.upright, self.below, self.above, self.root
@@ -93,5 +91,6 @@ class Lines:
         return np.empty(int(np.diff(self.begin).max(initial=0)), np.int64)
 
 
-def _panels(room: Floats, numbers: Ints, count: int) -> Panels:
-    return Panels(*room[:, :count], *numbers[:, :count])
+def _panels(room: tuple[Floats, Ints], count: int) -> Panels:
+    values, numbers = room
+    return Panels(*values[:, :count], *numbers[:, :count])

@@ -14,7 +14,6 @@ from rsym.model.shape import Shape
 from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.numbers import measured
 from rsym.reports.render import Report
-from rsym.sampling.rules.integrals import TOLERANCE
 from rsym.sampling.rules.quadrature import ORDER, RulePortion, prepared
 from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
 
@@ -44,11 +43,14 @@ class MeasureReport(Report):
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> print(rsym.measure(rsym.Shape(1 - x**2 / 4 - y**2, (x, y)).named("oval")))
-    Area 6.28318530718, length 9.68844822055, estimated by two rules.
-      centroid        0 ± 7e-16, 0 ± 4e-16
-      second moments  xx 6.28318530718, xy 0 ± 3e-15, yy 1.57079632679
-      oval            9.68844822055
+    >>> print(rsym.measure(rsym.Shape(rsym.conjunction(x, y, 1 - x - y), (x, y))))
+    Area 0.5, length 3.41421356237, estimated by two rules.
+                      value
+      centroid        0.333333333333, 0.333333333333
+      second moments  xx 0.0277777777778, xy -0.0138888888889, yy 0.0277777777778
+      x               1
+      y               1
+      -x - y + 1      1.41421356237
     """
 
     coordinates: tuple[str, ...]
@@ -128,7 +130,7 @@ class MeasureReport(Report):
             "second_moments": [[float(value) for value in row] for row in self.second_moments],
             "errors": {"content": self.content.error, "boundary": self.boundary.error},
         }
-        return Document("measure", Sentence(text, False), tables=(Tabular(("", ""), tuple(rows)),), data=data)
+        return Document("measure", Sentence(text, False), tables=(Tabular(("", "value"), tuple(rows)),), data=data)
 
 
 def _told(value: Integral) -> str:
@@ -138,7 +140,7 @@ def _told(value: Integral) -> str:
 def measure(
     shape: Shape,
     *,
-    tolerance: float = TOLERANCE,
+    tolerance: float | None = None,
     cells: int | None = None,
     order: int = ORDER,
     bounds: Any = None,
@@ -152,9 +154,9 @@ def measure(
     Examples
     --------
     >>> import math, rsym
-    >>> found = rsym.measure(rsym.torus(2, 0.5))
-    >>> round(found.volume / math.pi**2, 12), round(found.surface / math.pi**2, 12)
-    (1.0, 4.0)
+    >>> found = rsym.measure(rsym.sphere(3))
+    >>> round(found.volume / math.pi, 12), round(found.surface / math.pi, 12)
+    (36.0, 36.0)
     """
     made = prepared(shape, bounds, letters)
     names = tuple(dict.fromkeys(made.parts))
@@ -182,14 +184,14 @@ def measure(
         *(_central(sums, first, rows, middle.ravel()) for sums in (found.sums, found.before)), strict=True
     )
     reach = ROUNDING * float(np.abs(np.array(made.box)).max())
-    pairs = dict(zip(rows, _compared(*moments, ROUNDING * found.scales[-1]), strict=True))
+    pairs = dict(zip(rows, _compared(moments[0], moments[1], ROUNDING * found.scales[-1]), strict=True))
     axes = range(dimension)
     return MeasureReport(
         tuple(symbol.name for symbol in shape.coordinates),
         found.integral(0),
         found.integral(1),
         lengths,
-        _compared(*centres, reach),
+        _compared(centres[0], centres[1], reach),
         tuple(tuple(pairs[min(i, j), max(i, j)] for j in axes) for i in axes),
         found.cells,
         found.order,

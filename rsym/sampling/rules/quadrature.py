@@ -171,7 +171,9 @@ def quadrature(
 
         ds = |grad f|/|f_k| db
 
-    All points are inside, all weights positive. R-functions of any system, normalised or not, give the same rule.
+    All points are inside, all weights positive. Where a leaf is undefined is outside. Where two leaves touch, crossings
+    closer than rounding are one: the length of each may lack 1e-7 there. R-functions of any system, normalised or not,
+    give the same rule.
 
     Parameters
     ----------
@@ -195,8 +197,7 @@ def quadrature(
     Raises
     ------
     RsymError
-        ``unbounded`` without bounds for a shape that goes on for ever; ``undefined`` where a leaf that matters has no
-        value; for a number that is no positive integer.
+        ``unbounded`` without bounds for a shape that goes on for ever; for a number that is no positive integer.
 
     Source: R. I. Saye (2015), High-order quadrature methods for implicitly defined surfaces and volumes, SIAM J. Sci.
     Comput. 37.
@@ -267,8 +268,10 @@ class Prepared:
         for first in range(0, len(every), size):
             cells = every[first : first + size]
             pieces = undivided(*grid.corners(cells), cells, functions.count)
-            value, _ = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
-            _, verdict, _ = functions.judge(pieces, value)
+            value, gradient = functions.enclose(
+                pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece]
+            )
+            _, verdict, _ = functions.judge(replace(pieces, gradient=gradient), value)
             cuts[cells], fills[cells] = verdict == OPEN, verdict == INSIDE
             cuts[cells] |= close(pieces, near) & fills[cells]
         points = order**functions.dimension

@@ -15,10 +15,11 @@ from rsym.sampling.rules.quadrature import Prepared, RulePortion
 
 # What is asked of a part of a rule: sums, and the sums of the absolute values of what is added.
 Quantities: TypeAlias = Callable[[RulePortion], tuple[Floats, Floats]]
+TOLERANCE = {2: 1e-12, 3: 1e-10}
 CELLS = {2: 8, 3: 6}  # along the longest side at first
 ORDERS = 4  # points along each direction from one rule to the next
 HIGHEST = 20  # beyond, cells are halved instead
-MOST_POINTS = 3e7
+MOST_POINTS = {2: 2e6, 3: 3e7}  # some seconds
 ROUNDING = 4 * np.finfo(np.float64).eps
 
 
@@ -74,7 +75,7 @@ def refined(
     shape: Prepared,
     quantities: Quantities,
     *,
-    tolerance: float,
+    tolerance: float | None,
     cells: int | None,
     order: int,
     near: ArrayLike | None = None,
@@ -91,6 +92,7 @@ def refined(
         return total, scale, points
 
     dimension = shape.functions.dimension
+    least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
     count, highest = CELLS[dimension] if cells is None else cells, order
     sums, scales, points = summed()
     while True:
@@ -101,10 +103,10 @@ def refined(
             highest += ORDERS
         sums, scales, points = summed()
         found = Refined(sums, before, scales, count, highest)
-        open_ones = found.errors > np.maximum(tolerance, 2 * ROUNDING) * scales
+        open_ones = found.errors > least * scales
         if not open_ones.any():
             return found
-        if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS:
+        if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
             worst = float((found.errors / scales)[open_ones].max())
             warn(
                 f"an integral is known to a relative error of about {worst:.0e}: so much do rules of {points:.1e} "

@@ -28,7 +28,8 @@ def form_sign(gates: Any, signs: Any, known: Any) -> int:
             known[leaves + k] = min(a, b)
         else:
             known[leaves + k] = max(a, b)
-    return known[leaves + len(gates) - 1]
+    sign: int = known[leaves + len(gates) - 1]
+    return sign
 
 
 @step

@@ -1,0 +1,94 @@
+"""Systems against dense algebra: conjugate gradients, eigenvalues, extension, sums axis by axis."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+import rsym
+from rsym.problems.splines.web import web_splines
+from rsym.problems.systems import linear
+from rsym.problems.systems.forms import Assembler, CellPoints, extended
+
+
+def laplace(n):
+    line = sparse.diags([-1.0, 2.0, -1.0], [-1, 0, 1], shape=(n, n))
+    scale = sparse.diags(10.0 ** np.linspace(-3, 3, n * n))
+    return (scale @ (sparse.kron(line, sparse.eye(n)) + sparse.kron(sparse.eye(n), line)) @ scale).tocsr()
+
+
+def test_both_ways_to_solve_agree_with_dense_algebra(monkeypatch):
+    matrix, right = laplace(12), np.arange(144.0)
+    exact = np.linalg.solve(matrix.toarray(), right)
+    direct = linear.solve_system(matrix, right, definite=True, dimension=2)
+    monkeypatch.setitem(linear.DIRECT, 2, 10)
+    steps = linear.solve_system(matrix, right, definite=True, dimension=2)
+    assert direct.steps == 0 < steps.steps
+    for found in (direct, steps):
+        np.testing.assert_allclose(found.values, exact, rtol=1e-8)
+        assert found.residual < 1e-12
+
+
+def test_threads_do_not_change_the_bits_of_conjugate_gradients(monkeypatch):
+    monkeypatch.setitem(linear.DIRECT, 2, 10)
+    found = []
+    for threads in (1, 3):
+        monkeypatch.setattr(linear, "checked_threads", lambda _, count=threads: count)
+        found.append(linear.solve_system(laplace(12), np.arange(144.0), definite=True, dimension=2).values)
+    assert (found[0] == found[1]).all()
+
+
+def test_eigenvalues_agree_with_dense_algebra():
+    matrix, mass = laplace(8), sparse.diags(10.0 ** np.linspace(-6, 6, 64)).tocsr()
+    values, vectors = linear.eigenpairs(matrix, mass, 3)
+    scale = np.diag(1 / np.sqrt(mass.diagonal()))
+    np.testing.assert_allclose(values, np.linalg.eigvalsh(scale @ matrix.toarray() @ scale)[:3], rtol=1e-9)
+    np.testing.assert_allclose(matrix @ vectors, mass @ vectors * values, atol=1e-6 * np.abs(matrix @ vectors).max())
+
+
+def test_a_singular_system_is_refused():
+    with pytest.raises(rsym.RsymError, match="no answer"):
+        linear.factored(sparse.csr_matrix(np.array([[1.0, 0.0], [0.0, 0.0]])))
+
+
+@pytest.mark.parametrize(("dimension", "order"), [(2, 1), (2, 2), (3, 1)])
+def test_sums_axis_by_axis_are_those_of_points(dimension, order):
+    """The same rule, once known to be a plain one, once not."""
+    rng, q = np.random.default_rng(3), 4
+    counts = (3, 2, 2)[:dimension]
+    cells = np.arange(int(np.prod(counts)))
+    splines = web_splines(np.zeros(dimension), 0.5, counts, 2, cells, cells)
+    t = (np.polynomial.legendre.leggauss(q)[0] + 1) / 2
+    local = np.stack(np.meshgrid(*[t] * dimension, indexing="ij"), axis=-1).reshape(-1, dimension)
+    points = ((splines.cells(cells)[:, None] + local) * 0.5).reshape(-1, dimension)
+    owner = np.repeat(cells, q**dimension)
+    assembler = Assembler(splines, order, threads=1)
+    kinds = assembler.kinds
+    forms, weight = rng.standard_normal((len(points), kinds, kinds)), rng.standard_normal((kinds, len(points)))
+    loads = rng.standard_normal((len(points), kinds, 2))
+    for given, symmetric in ((forms, False), (forms + forms.transpose(0, 2, 1), True)):
+        plain, other = (
+            assembler.matrix(where, lambda some, _, given=given: given[some], lambda _: weight, symmetric=symmetric)
+            for where in (CellPoints(points, owner, cells, q), CellPoints(points, owner))
+        )
+        np.testing.assert_allclose(plain.toarray(), other.toarray(), atol=1e-10 * np.abs(other.toarray()).max())
+    even = forms + forms.transpose(0, 2, 1)
+    half, whole = (
+        assembler.matrix(CellPoints(points, owner), lambda some, _: even[some], lambda _: weight, symmetric=symmetric)
+        for symmetric in (True, False)
+    )
+    np.testing.assert_allclose(half.toarray(), whole.toarray(), atol=1e-10 * np.abs(whole.toarray()).max())
+    first, second = (
+        assembler.loads(where, lambda some, _: loads[some], lambda _: weight, 2)
+        for where in (CellPoints(points, owner, cells, q), CellPoints(points, owner))
+    )
+    np.testing.assert_allclose(first, second, atol=1e-11 * np.abs(second).max())
+
+
+def test_the_extended_matrix_is_that_of_the_extension():
+    full = np.array([9 * i + j for i in range(9) for j in range(9) if (i - 4) ** 2 + (j - 4) ** 2 < 14])
+    splines = web_splines(np.zeros(2), 1.0, (9, 9), 2, np.arange(81), full)
+    n = len(splines.active)
+    matrix = sparse.random(n, n, 0.1, random_state=1, format="csr")
+    matrix = (matrix + matrix.T).tocsr()
+    e = splines.extension.toarray()
+    np.testing.assert_allclose(extended(splines, matrix).toarray(), e.T @ matrix.toarray() @ e, atol=1e-9)

@@ -1,0 +1,91 @@
+"""Integrals and measures of shapes, with their errors, against exact values."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import rsym
+from rsym import x, y, z
+
+r = sp.Symbol("r", real=True)
+
+
+@pytest.fixture(scope="module")
+def half():
+    return rsym.disc(r, letters={r: 2}).named("rim") & rsym.Shape(y, (x, y)).named("cut")
+
+
+def close(found, truth, relative=1e-12):
+    """Whether a value is right, and its error covers what it is off."""
+    return abs(found - truth) <= min(found.error + 1e-15, relative * max(1.0, abs(truth)))
+
+
+def test_integrals_of_numbers_expressions_shapes_and_functions(half):
+    assert close(rsym.integrate(1, half), 2 * math.pi)
+    assert close(rsym.integrate(r * y, half), 2 * 16 / 3)
+    assert close(rsym.integrate(r * y, half, letters={"r": 1}), 2 / 3)
+    assert close(rsym.integrate(rsym.Shape(x**2, (x, y)), half), 2 * math.pi)
+    assert close(rsym.integrate(lambda u, v: np.exp(u) * 0 + v**2, half), 2 * math.pi)
+    odd = rsym.integrate(x, half)
+    assert abs(odd) <= odd.error < 1e-12
+
+
+def test_integrals_over_the_boundary_and_its_parts(half):
+    assert close(rsym.integrate(1, half, "boundary"), 2 * math.pi + 4)
+    assert close(rsym.integrate(y, half, "rim"), 8)
+    assert close(rsym.integrate(x**2, half, over="cut"), 16 / 3)
+
+
+def test_errors_are_told_where_a_function_has_a_singular_point():
+    disc = rsym.disc(1)
+    with pytest.warns(rsym.RsymWarning, match="known to a relative error"):
+        found = rsym.integrate(1 / sp.sqrt((x - sp.Rational(1, 7)) ** 2 + y**2), disc, cells=16, order=4)
+    truth = 4 * float(sp.elliptic_e(sp.Rational(1, 49)))
+    assert 1e-9 < abs(found - truth) < 10 * found.error
+
+
+def test_an_integral_is_a_float_that_travels():
+    found = rsym.integrate(2, rsym.disc(1))
+    copy = pickle.loads(pickle.dumps(found))
+    assert (copy, copy.error, copy + 0.0) == (found, found.error, float(found))
+
+
+def test_measures_of_a_half_disc(half):
+    found = rsym.measure(half)
+    assert close(found.area, 2 * math.pi)
+    assert close(found.length, 2 * math.pi + 4)
+    assert close(found.parts["rim"], 2 * math.pi)
+    assert close(found.parts["cut"], 4)
+    height = 8 / (3 * math.pi)
+    assert np.allclose(found.centroid, [0, height], atol=1e-13)
+    assert np.allclose(found.inertia, [[2 * math.pi * (1 - height**2), 0], [0, 2 * math.pi]], atol=1e-12)
+    assert rsym.measure(half, letters={"r": 1}).area == pytest.approx(math.pi / 2, abs=1e-13)
+    with pytest.raises(rsym.RsymError, match="length"):
+        found.surface  # noqa: B018 - to ask is to be refused
+    assert "rim" in found._repr_html_()
+    assert "6.28318530718" in str(found)
+
+
+def test_measures_of_a_cone_in_space():
+    cone = rsym.Shape(rsym.conjunction(1 - z - sp.sqrt(x**2 + y**2), z), (x, y, z))
+    found = rsym.measure(cone, bounds=((-1.25, 1.25), (-1.25, 1.25), (-0.5, 1.25)), tolerance=1e-8)
+    assert abs(found.volume * 3 / math.pi - 1) < 1e-9
+    assert abs(found.surface / (math.pi * (1 + math.sqrt(2))) - 1) < 1e-8
+    assert np.allclose(found.centroid, [0, 0, 0.25], atol=1e-9)
+    assert np.allclose(np.diag(found.second_moments), [math.pi / 20, math.pi / 20, math.pi / 80], atol=1e-9)
+
+
+def test_refusals(half):
+    with pytest.raises(rsym.RsymError, match="rim, cut"):
+        rsym.integrate(1, half, "bore")
+    with pytest.raises(rsym.RsymError, match="nan"):
+        rsym.integrate(sp.log(x), half)
+    with pytest.raises(rsym.RsymError, match="coordinates"):
+        rsym.integrate(rsym.sphere(1), half)
+    with pytest.raises(rsym.RsymError):
+        rsym.integrate(sp.Symbol("unknown"), half)
+    with pytest.raises(rsym.RsymError, match="bounds"):
+        rsym.measure(rsym.Shape(x, (x, y)))

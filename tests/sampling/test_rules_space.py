@@ -1,0 +1,61 @@
+"""Rules of integration on shapes in space: volumes and surfaces against exact values."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rsym
+from rsym import conjunction, disjunction, x, y, z
+
+
+def space(expression, **more):
+    return rsym.Shape(expression, (x, y, z), **more)
+
+
+def off(shape, volume, surface, **more):
+    """Relative errors of volume and surface."""
+    rule = rsym.quadrature(shape, **more)
+    assert rule.weights.min() >= 0
+    assert rule.boundary.weights.min() >= 0
+    found = rule.boundary
+    flux = (found.weights * (found.points * found.normals).sum(axis=1)).sum() / 3  # the volume by Gauss's theorem
+    assert abs(flux / volume - 1) < 1e-7
+    return abs(rule.weights.sum() / volume - 1), abs(found.weights.sum() / surface - 1)
+
+
+def test_ball_and_torus():
+    assert max(off(space(1 - x**2 - y**2 - z**2), 4 * math.pi / 3, 4 * math.pi, cells=8, order=9)) < 1e-11
+    assert max(off(rsym.torus(1, 0.4), 0.32 * math.pi**2, 1.6 * math.pi**2, cells=8, order=12)) < 1e-10
+
+
+def test_bead_has_a_volume_by_its_height_alone():
+    height, hole = 1.6, 0.6
+    bead = space(conjunction(1 - x**2 - y**2 - z**2, x**2 + y**2 - hole**2))
+    surface = 2 * math.pi * height + 2 * math.pi * hole * height
+    assert max(off(bead, math.pi * height**3 / 6, surface, cells=8, order=10)) < 1e-10
+
+
+@pytest.mark.parametrize("cells", [5, 8])
+def test_intersection_of_cylinders(cells):
+    both = space(conjunction(1 - x**2 - z**2, 1 - y**2 - z**2))
+    assert max(off(both, 16 / 3, 16, cells=cells)) < 1e-10
+
+
+@pytest.mark.parametrize("cells", [3, 4])
+def test_boxes_on_the_grid_and_off_it(cells):
+    box = space(conjunction(x, y, z, 1 - x, 1 - y, 1 - z))
+    assert max(off(box, 1, 6, cells=cells, order=3)) < 1e-14
+    rule = rsym.quadrature(box, cells=4, order=3, bounds=((0, 1),) * 3)
+    assert abs(rule.boundary.weights.sum() - 6) < 1e-14
+    assert len(rule.full) == 64
+    step = space(disjunction(conjunction(x, y, z, 1 - x, 1 - y, 1 - z), conjunction(x - 1, 2 - x, y, 1 - y, z, 2 - z)))
+    assert max(off(step, 3, 14, cells=cells, order=3, bounds=((0, 2),) * 3)) < 1e-14
+
+
+def test_parts_of_a_turned_cylinder():
+    rod = space(1 - x**2 - y**2).named("rim") & space(z).named("foot") & space(1.5 - z).named("top")
+    rule = rsym.quadrature(rod.rotate(0.3, axis=x), cells=6, order=6)
+    areas = [rule.boundary.of(part).weights.sum() for part in ("rim", "foot", "top")]
+    assert np.allclose(areas, [3 * math.pi, math.pi, math.pi], rtol=1e-7)
+    assert abs(rule.weights.sum() / (1.5 * math.pi) - 1) < 1e-9
