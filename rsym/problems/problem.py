@@ -6,7 +6,7 @@ beside: such as the one that is 1 on a hole at an unknown level, and those of co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -19,13 +19,13 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_parts
 from rsym.logic.sign_form import SignForm, shape_form
-from rsym.logic.weights import Joins, weight
+from rsym.logic.weights import weight
 from rsym.model.equation import Equation
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.problems.conditions import Name
-from rsym.problems.corners.places import corners_of
-from rsym.problems.corners.singular import SingularFunctions, singular_functions
+from rsym.problems.corners.choice import CornerChoice, chosen_corners
+from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
@@ -33,7 +33,7 @@ from rsym.problems.splines.cardinals import derivatives
 from rsym.program.lowering import lower
 
 VALUE, FLUX = "value", "flux"
-ON_AXIS = 1e-6  # of the size of a shape
+NO_LOAD = 1e-9  # of the largest at corners: rounding of their places
 VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
 
 
@@ -46,7 +46,7 @@ class Problem:
     axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
     levels : the leaves of the parts at unknown levels, one part after the other.
     flows : what flows into each of these parts, nothing by default.
-    corners : functions of corners.
+    corners : functions of corners; None if there are to be none.
     poisson : Poisson's ratio of a plate, where it matters.
     """
 
@@ -57,7 +57,7 @@ class Problem:
     axis: int = -1
     levels: tuple[tuple[int, ...], ...] = ()
     flows: tuple[float, ...] = ()
-    corners: tuple[SingularFunctions, ...] = ()
+    corners: CornerChoice | None = None
     poisson: float | None = None
 
     def __getstate__(self) -> dict[str, Any]:
@@ -89,8 +89,7 @@ class Problem:
         return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
 
     def _vanishing(self, leaves: Collection[int]) -> int:
-        # With functions of their own at re-entrant corners, the others have bounded slopes there.
-        found = weight(self.form, leaves, joins=Joins(power=1 if self.corners else 0))
+        found = weight(self.form, leaves)
         return self.form.builder.const(1) if found is None else found
 
     def weight(self, order: int) -> PointFormulas:
@@ -120,7 +119,7 @@ class Problem:
     @property
     def extra_count(self) -> int:
         """How many functions there are beside the splines: levels, then those of corners."""
-        return len(self.levels) + sum(len(corner.terms) for corner in self.corners)
+        return len(self.levels) + (0 if self.corners is None else len(self.corners.functions))
 
     def extras(self, points: Floats, order: int) -> Floats:
         """Their derivatives (kinds, functions, n)."""
@@ -129,11 +128,8 @@ class Problem:
         if self.levels:
             values = self._with_derivatives("extra", order, lambda: self.extra_nodes)(points)
             found.append(values.reshape(len(self.levels), kinds, -1).transpose(1, 0, 2))
-        if self.corners:
-            used = sorted({leaf for one in self.corners for leaf in one.corner.leaves})
-            nodes = {f"leaf {leaf}": self.form.leaves[leaf] for leaf in used}
-            leaves = self._with_derivatives("leaves", order, lambda: nodes)(points).reshape(len(used), kinds, -1)
-            found += [one(points, leaves[[used.index(leaf) for leaf in one.corner.leaves]]) for one in self.corners]
+        if self.corners is not None:
+            found.append(self.corners.functions.derivatives(points, order))
         return np.ascontiguousarray(np.concatenate(found, axis=1))
 
     def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
@@ -168,14 +164,16 @@ def with_corners(problem: Problem) -> Problem:
     )
     if problem.dimension != 2 or problem.order != 1 or not alike or len(problem.form.leaves) < 2:
         return problem
-    every = corners_of(problem.shape)
-    # On the axis of a body of revolution exponents are those of cones.
-    size = max(abs(value) for corner in every for value in corner.point) if every else 1.0
-    corners = [one for one in every if problem.axis < 0 or abs(one.point[1 - problem.axis]) > ON_AXIS * size]
-    points = np.array([corner.point for corner in corners]).reshape(-1, 2)
     place = list(problem.equation.expressions).index("f")
-    loaded = (problem.coefficients(points)[place] != 0).tolist()
-    return replace(problem, corners=singular_functions(corners, problem.leaves(*VALUED), loaded))
+
+    def loaded(corners: Sequence[PlaneCorner]) -> list[bool]:
+        points = np.array([corner.point for corner in corners]).reshape(-1, 2)
+        sizes = np.abs(problem.coefficients(points)[place])
+        return [bool(size > NO_LOAD * sizes.max()) for size in sizes]
+
+    valued = problem.leaves(*VALUED)
+    natural = [leaf for leaf in range(len(problem.form.leaves)) if leaf not in valued]
+    return replace(problem, corners=chosen_corners(problem.shape, natural, loaded, axis=problem.axis))
 
 
 def value_at(shape: Shape, value: Any, points: Floats) -> Floats:

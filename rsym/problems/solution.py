@@ -16,6 +16,7 @@ from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
+from rsym.problems.corners.choice import CornerChoice
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.printed import printed
@@ -77,6 +78,9 @@ class SolutionReport(Report):
     grades: tuple[Grade, ...]
     unresolved: float
     eigenvalue: float | None = None
+    corners: int = 0
+    left: int = 0
+    refused: tuple[str, ...] = ()
 
     def document(self) -> Document:
         """Unknowns, rule, how the system was solved, and the estimate of the error, which is one: nothing is proved."""
@@ -88,6 +92,7 @@ class SolutionReport(Report):
         told.append(f"The system was solved by {way}; its residual is {short(self.residual)} of the right side.")
         if self.unresolved:
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
+        told += self._of_corners()
         error = "not estimated" if self.estimate is None else f"about {short(self.estimate)} of the largest value"
         rows = tuple((str(g.cells), str(g.degree), str(g.unknowns), short(g.estimate)) for g in self.grades)
         tables = (Tabular(("cells", "degree", "unknowns", "estimate"), rows),) if rows else ()
@@ -104,8 +109,24 @@ class SolutionReport(Report):
                 "steps": self.steps,
                 "residual": self.residual,
                 "estimate": self.estimate,
+                "corners": self.corners,
+                "corners left": self.left + len(self.refused),
             },
         )
+
+    def of_corners(self, choice: CornerChoice | None) -> SolutionReport:
+        """The same, knowing of corners."""
+        if choice is None:
+            return self
+        return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
+
+    def _of_corners(self) -> list[str]:
+        """Which corners have functions of their own, and which do not though solutions are not smooth there."""
+        own = f"{plural(self.corners, 'corner')} of the shape: there are functions like solutions there."
+        less = f"{plural(self.left, 'corner')} without such functions: splines alone are less accurate there."
+        told = [line for line, count in ((own, self.corners), (less, self.left)) if count]
+        told += [f"No such functions where corners are not known: {reason}." for reason in self.refused]
+        return told
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -312,7 +333,7 @@ class Solution:
         whole(degree, "the degree", 0)
         if self.report.eigenvalue is not None:
             raise RsymError("a mode has no formula of this kind", code="formula", remedy="solve has")
-        smooth = replace(self.problem, corners=())
+        smooth = replace(self.problem, corners=None)
         return printed(Discretisation(smooth, self.rule, self.report.degree), degree)
 
     def with_letters(self, values: Mapping[Any, float]) -> Solution:
@@ -321,8 +342,8 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
-        problem = replace(self.problem, shape=self.shape.with_letters(values), corners=())
-        problem = with_corners(problem) if self.problem.corners else problem
+        problem = replace(self.problem, shape=self.shape.with_letters(values), corners=None)
+        problem = problem if self.problem.corners is None else with_corners(problem)
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
 
@@ -335,7 +356,8 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
-    return rule_on(problem.shape, problem.named, cells, order, [one.corner.point for one in problem.corners])
+    near = [] if problem.corners is None else [corner.point for corner in problem.corners.corners]
+    return rule_on(problem.shape, problem.named, cells, order, near)
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:
@@ -359,7 +381,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
         estimate=None,
         grades=(),
         unresolved=getattr(rule, "unresolved", 0.0),
-    )
+    ).of_corners(problem.corners)
     coefficients = discrete.splines.extension @ found.values[:inner]
     made = Solution(problem, discrete.splines, coefficients, found.values[inner:], told, degree + MORE_POINTS)
     return with_rule(made, rule)

@@ -64,8 +64,8 @@ class Spectrum:
     def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         problem, report = self.modes[0].problem, self.modes[0].report
-        other = replace(problem, shape=problem.shape.with_letters(values), corners=())
-        other = with_corners(other) if problem.corners else other
+        other = replace(problem, shape=problem.shape.with_letters(values), corners=None)
+        other = other if problem.corners is None else with_corners(other)
         return _spectrum(other, report.cells, report.degree, len(self.values), self.mass)
 
 
@@ -163,7 +163,7 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
         estimate=None,
         grades=(),
         unresolved=getattr(rule, "unresolved", 0.0),
-    )
+    ).of_corners(problem.corners)
     found = []
     for value, vector in zip(values, vectors.T, strict=True):
         size = np.sqrt(abs(vector @ (masses @ vector)))

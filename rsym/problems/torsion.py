@@ -77,7 +77,7 @@ class Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         report, problem = self.solution.report, self.solution.problem
         other = replace(problem, shape=problem.shape.with_letters(values))
-        other = with_corners(other) if problem.corners else other
+        other = other if problem.corners is None else with_corners(other)
         return _torsion(other, report.cells, report.degree)
 
 

@@ -58,7 +58,7 @@ def test_values_are_those_of_numpy_to_the_bit(few, monkeypatch):
     for _ in range(120):
         builder = Builder(("x", "y"), ())
         node, expected = at_random(builder, generator, 5)
-        found = lifted(builder, node)
+        found = lifted(builder, node, few)
         changed += found != node
         np.testing.assert_array_equal(value(builder, node), expected)
         np.testing.assert_array_equal(value(builder, found), expected)

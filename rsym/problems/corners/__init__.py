@@ -1,7 +1,11 @@
-"""Corners of shapes in the plane, and the functions that solutions have there.
+"""Corners of shapes in the plane, and functions that are like solutions there, 0 on both edges however curved.
 
-A shape comes in, with which leaves have values; functions of their own beside the splines go out.
+A shape comes in, and which leaves have natural conditions; corners with angle, leaves and reach go out, and functions
+of points with their derivatives. In the order of the data:
 
-- `places`: where two leaves of the boundary meet, at which angle, and how far other leaves are
-- `singular`: powers and logarithms in the coordinates of the two leaves
+- `leaf_boxes`: bounds of the leaves and their gradients over boxes, and which of them matter there
+- `common_zeros`: the points where leaves that matter meet; `sectors`: what is inside around such a point
+- `reaches`: how far around corners nothing else is; `corners`: all of that
+- `leaf_jets`: leaves with their derivatives; `corner_functions`: powers and logarithms in the coordinates of two leaves
+  by `singular_loops`; `formulas`: these as expressions; `choice`: which corners have some beside splines
 """

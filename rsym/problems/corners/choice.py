@@ -1,0 +1,92 @@
+"""Which corners of a shape have functions of their own beside splines: those where solutions are the least smooth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+from rsym.problems.corners.corner_functions import CornerFunctions, corner_functions, terms_at
+from rsym.problems.corners.corners import PlaneCorner, surveyed_corners
+
+MOST = 400  # functions, each of which meets all others
+COUNTS = (7, 3), (4, 2), (3, 1), (1, 1)  # of rates and levels at each corner, fewer where there are many corners
+ON_AXIS = 1e-6  # of the size of a shape
+SMOOTH = 5.0  # from this exponent on splines do as well
+
+
+@dataclass(frozen=True, eq=False)
+class CornerChoice:
+    """The functions of some corners, the corners that need some and have none, and where corners were refused.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> ell = rsym.rectangle(2, 2) - rsym.rectangle(1, 1).translate(0.5, 0.5)
+    >>> chosen = chosen_corners(ell, (), lambda corners: [False] * len(corners))
+    >>> [round(corner.angle / 3.14159265359, 9) for corner in chosen.corners], chosen.left
+    ([1.5], ())
+    >>> [error.code for error in chosen.refused]  # the sides x = 1 and y = 1 are those of both
+    ['degenerate']
+    """
+
+    functions: CornerFunctions
+    left: tuple[PlaneCorner, ...]
+    refused: tuple[RsymError, ...]
+
+    @property
+    def corners(self) -> tuple[PlaneCorner, ...]:
+        """Those with functions, each once."""
+        return tuple(part.corner for part in self.functions.parts)
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why corners were refused, and where."""
+        return tuple(f"{error.message}{f', {error.where}' if error.where else ''}" for error in self.refused)
+
+
+def chosen_corners(
+    shape: Shape,
+    natural: Collection[int],
+    loaded: Callable[[Sequence[PlaneCorner]], Sequence[bool]],
+    *,
+    most: int = MOST,
+    axis: int = -1,
+) -> CornerChoice:
+    """At most so many functions, fewer at each corner if there are many; corners with the least exponents come first.
+
+    natural : the leaves on which nothing is prescribed.
+    loaded : says of corners whether there is a load.
+    axis : the coordinate along the axis of a body of revolution: corners on it have the exponents of cones, and none.
+    """
+    every, refused = surveyed_corners(shape)
+    size = max((abs(value) for corner in every for value in corner.point), default=1.0)
+    conical = [axis >= 0 and abs(corner.point[1 - axis]) <= ON_AXIS * size for corner in every]
+    sharp = [corner for corner, cone in zip(every, conical, strict=True) if not (cone or corner.is_cusp)]
+    needed = _rough(sharp, loaded(sharp), natural)
+    for terms, levels in COUNTS:
+        sizes = [len(terms_at(corner, natural, terms=terms, levels=levels, load=load)) for corner, load in needed]
+        if sum(sizes) <= most:
+            break
+    count = int(np.searchsorted(np.cumsum(sizes), most, side="right"))
+    kept = sorted(needed[:count], key=lambda one: one[0].point)
+    places, loads = [corner for corner, _ in kept], [load for _, load in kept]
+    functions = corner_functions(shape, places, natural, terms=terms, levels=levels, load=loads)
+    bare = [one for one, cone in zip(every, conical, strict=True) if one.is_cusp or (cone and one.is_reentrant)]
+    left = [*bare, *(corner for corner, _ in needed[count:])]
+    return CornerChoice(functions, tuple(sorted(left, key=lambda corner: corner.point)), refused)
+
+
+def _rough(
+    corners: Sequence[PlaneCorner], loads: Sequence[bool], natural: Collection[int]
+) -> list[tuple[PlaneCorner, bool]]:
+    """Corners where solutions are not smooth, and whether there is a load, the roughest first."""
+    found = []
+    for corner, load in zip(corners, loads, strict=True):
+        own = terms_at(corner, natural, load=load)
+        if own and own[0].exponent < SMOOTH:
+            found.append((own[0].exponent, corner.point, (corner, load)))
+    return [one for _, _, one in sorted(found, key=lambda one: one[:2])]

@@ -1,0 +1,242 @@
+"""Functions that are like solutions at a corner, and meet the conditions on both of its edges, however curved, exactly.
+
+With leaves f, g positive inside and p, q their gradients at the corner, v = f/|p| is the distance from the first edge
+to first order, and w = g/|q| that from the second; u = (w + v cos alpha)/sin alpha goes along the first. In these leaf
+coordinates both edges are straight: theta = 0 where f = 0, theta = alpha where g = 0, and at the corner they turn and
+stretch nothing. There
+
+    (1 - r**2/R**2)**m * r**(lambda + 2*j) * sin(lambda*theta),    lambda = k*pi/alpha,
+
+is 0 on both edges; cos has no slope across them at straight edges; k - 1/2 for k is for one edge of each kind, the sine
+counted from that which is 0. Without the factor those with j = 0 are harmonic where edges are straight. Where
+cos alpha = 0 no polynomial that is 0 on both edges has the Laplacian -1, but
+
+    -v**2/2 - Im(z**2 log z)/(2 alpha),    z = u + i*v,
+
+has. All are 0 beyond a circle inside of which the coordinates are one to one and no other part of the boundary lies.
+
+Source: P. Grisvard (1985), Elliptic problems in nonsmooth domains, chapter 4, for the functions at straight edges.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+from rsym.errors import RsymError
+from rsym.model.shape import Shape
+from rsym.problems.corners.corners import PlaneCorner
+from rsym.problems.corners.leaf_jets import LeafJets, leaf_jets
+from rsym.problems.corners.singular_loops import LOG, corner_terms
+
+CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
+MARGIN = 0.999  # of that radius, for what lies between the places
+WHOLE = 1e-9  # exponents so near to a whole number are those of polynomials, which need no functions of their own
+
+KINDS = ("sin", "cos", "log")  # as the loop counts them
+
+
+class Term(NamedTuple):
+    """A function at a corner: r**exponent times sin or cos of rate*theta, "log" for that with Laplacian -1."""
+
+    kind: str
+    rate: float
+    exponent: float
+
+
+@dataclass(frozen=True)
+class LocalFunctions:
+    """The functions at one corner: 0 beyond the `reach` of the corner, and beyond `radius` in leaf coordinates."""
+
+    corner: PlaneCorner
+    terms: tuple[Term, ...]
+    radius: float
+    power: int
+    turned: bool  # theta is counted from the second edge
+    jets: LeafJets
+
+
+@dataclass(frozen=True)
+class CornerFunctions:
+    """Singular functions at corners of a shape, all together.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> from rsym.problems.corners.corners import corners
+    >>> shape = rsym.Shape(rsym.conjunction(1 - x**2, 1 - y**2, rsym.disjunction(-x, y)), (x, y))
+    >>> inner = [corner for corner in corners(shape) if corner.is_reentrant]
+    >>> found = corner_functions(shape, inner, terms=2, levels=1, load=False)
+    >>> [(kind, round(exponent, 6)) for kind, rate, exponent in found.terms]
+    [('sin', 0.666667), ('sin', 1.333333)]
+    >>> values, gradients, laplacians = found.at(np.array([[0.0, -0.25], [-0.25, 0.25], [0.25, 0.0]]))
+    >>> (values.round(6) + 0.0).tolist()
+    [[0.0, 0.0], [0.194836, 0.0], [0.0, 0.0]]
+    """
+
+    parts: tuple[LocalFunctions, ...]
+
+    def __len__(self) -> int:
+        return sum(len(part.terms) for part in self.parts)
+
+    @property
+    def corners(self) -> tuple[PlaneCorner, ...]:
+        """The corner of each function."""
+        return tuple(part.corner for part in self.parts for _ in part.terms)
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """What each function is."""
+        return tuple(term for part in self.parts for term in part.terms)
+
+    def at(self, points: Floats) -> tuple[Floats, Floats, Floats]:
+        """Values (n, k), gradients (n, 2, k) and Laplacians (n, k) at points (n, 2).
+
+        At the corner itself derivatives that are infinite come out as large numbers.
+        """
+        found = self.derivatives(points, 2)
+        return found[0].T, found[1:3].transpose(2, 0, 1), (found[3] + found[5]).T
+
+    def derivatives(self, points: Floats, order: int) -> Floats:
+        """Derivatives up to the order 0, 1 or 2 at points (n, 2): value, x, y, xx, xy, yy, of those (kinds, k, n)."""
+        points = np.asarray(points, np.float64)
+        out = np.zeros(((1, 3, 6)[order], len(self), len(points)))
+        done = 0
+        for part in self.parts:
+            near = np.flatnonzero(np.hypot(*(points - part.corner.point).T) < part.corner.reach)
+            if len(near):
+                _fill(part, points[near], near, out[:, done : done + len(part.terms)])
+            done += len(part.terms)
+        return out
+
+
+def corner_functions(
+    shape: Shape,
+    corners: Sequence[PlaneCorner],
+    natural: Collection[int] = (),
+    *,
+    terms: int = 7,
+    levels: int = 3,
+    highest: float = 9.0,
+    load: bool | Sequence[bool] = True,
+    power: int = 7,
+    letters: Mapping[Any, float] | None = None,
+) -> CornerFunctions:
+    """The singular functions at corners of a shape.
+
+    Parameters
+    ----------
+    shape : Shape
+        Whose `corners` they are, with the same letters.
+    corners : sequence of PlaneCorner
+    natural : collection of int
+        The leaves on which nothing is prescribed (Neumann, Robin); on the others the functions are 0.
+    terms, levels : int
+        The largest k, and the number of j. Those with a whole exponent, which are smooth, are left out but at
+        re-entrant corners with values on an edge, where weights have a root in them.
+    highest : float
+        The largest exponent lambda + 2*j.
+    load : bool, or one for each corner
+        Whether there are those with logarithms, which solutions of -laplacian(u) = 1 need where cos alpha = 0.
+    power : int
+        m, at least 3: so many times less one the functions are smooth where they end.
+
+    Raises
+    ------
+    RsymError
+        ``cusp`` for a corner whose edges touch: leaf coordinates do not tell them apart.
+    """
+    parts = []
+    loads = [load] * len(corners) if isinstance(load, bool) else load
+    for corner, loaded in zip(corners, loads, strict=True):
+        if corner.is_cusp:
+            raise RsymError(
+                f"the edges {corner.parts[0]!r} and {corner.parts[1]!r} touch: a cusp has no functions of this kind",
+                code="cusp",
+                where=f"({corner.point[0]:.10g}, {corner.point[1]:.10g})",
+                remedy="move one of them, or leave the cusp out",
+            )
+        chosen = terms_at(corner, natural, terms=terms, levels=levels, highest=highest, load=loaded)
+        free = tuple(leaf in natural for leaf in corner.leaves)
+        if chosen:
+            jets = leaf_jets(shape, corner.leaves, letters)
+            parts.append(LocalFunctions(corner, chosen, _radius(corner, jets), power, free == (True, False), jets))
+    return CornerFunctions(tuple(parts))
+
+
+def terms_at(
+    corner: PlaneCorner,
+    natural: Collection[int] = (),
+    *,
+    terms: int = 7,
+    levels: int = 3,
+    highest: float = 9.0,
+    load: bool = True,
+) -> tuple[Term, ...]:
+    """What the functions at a corner are, the least smooth first; arguments as in `corner_functions`.
+
+    Examples
+    --------
+    >>> corner = PlaneCorner((0.0, 0.0), math.pi / 2, (1, 0), ("y", "x"), ((0.0, 1.0), (1.0, 0.0)), 1.0)
+    >>> [term.kind for term in terms_at(corner)], terms_at(corner, load=False), terms_at(corner, {0, 1})
+    (['log', 'log', 'log'], (), ())
+    >>> terms_at(corner, {1}, load=False)
+    ()
+    """
+    free = tuple(leaf in natural for leaf in corner.leaves)
+    kind, shift = "cos" if all(free) else "sin", 0.5 if free[0] != free[1] else 0.0
+    rates = [(k - shift) * math.pi / corner.angle for k in range(1, terms + 1)]
+    # Smooth functions that are 0 on edges are a weight times smooth ones, unless the weight has a root in it.
+    rooted = corner.is_reentrant and not all(free)
+    found = [Term(kind, rate, rate + 2 * j) for rate in rates if rooted or not _is_whole(rate) for j in range(levels)]
+    if load and not any(free) and abs(math.cos(corner.angle)) < WHOLE:
+        found += [Term("log", 2.0, 2.0 + 2 * j) for j in range(levels)]
+    return tuple(sorted((term for term in found if term.exponent <= highest), key=lambda term: term.exponent))
+
+
+def _is_whole(rate: float) -> bool:
+    return abs(rate - round(rate)) < WHOLE
+
+
+def _radius(corner: PlaneCorner, jets: LeafJets) -> float:
+    """The largest radius in leaf coordinates of a disc that lies within the reach."""
+    around = np.linspace(0, 2 * math.pi, CIRCLE, endpoint=False)
+    places = corner.point + corner.reach * np.stack([np.cos(around), np.sin(around)], axis=1)
+    u, v, _ = _coordinates(corner, jets.at(places)[:, 0])
+    return MARGIN * float(np.hypot(u, v).min())
+
+
+def _coordinates(corner: PlaneCorner, leaves: Floats) -> tuple[Floats, Floats, Floats]:
+    """Leaf coordinates u, v and w of anything linear in the two leaves (2, ...)."""
+    first, second = (math.hypot(*slope) for slope in corner.gradients)
+    v, w = leaves[0] / first, leaves[1] / second
+    return (w + v * math.cos(corner.angle)) / math.sin(corner.angle), v, w
+
+
+def _fill(part: LocalFunctions, points: Floats, where: Ints, out: Floats) -> None:
+    """The derivatives of the functions at one corner, (kinds, k, all points), at points of those."""
+    corner = part.corner
+    halves = [round(2 * term.rate * corner.angle / math.pi) for term in part.terms]
+    kinds = [KINDS.index(term.kind) for term in part.terms]
+    multiples = max((half for half, kind in zip(halves, kinds, strict=True) if kind != LOG), default=0)
+    corner_terms(
+        *_coordinates(corner, part.jets.at(points)),
+        corner.angle,
+        part.radius,
+        part.power,
+        part.turned,
+        corner.alone,
+        np.array(kinds, np.int64),
+        np.array(halves, np.int64),
+        np.array([round((term.exponent - term.rate) / 2) for term in part.terms], np.int64),
+        np.array([term.rate for term in part.terms]),
+        np.empty((3, multiples + 1)),
+        where,
+        out,
+    )

@@ -1,0 +1,235 @@
+"""The corners of a plane shape: where two leaves vanish and both bound it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_names
+from rsym.logic.sign_form import shape_form
+from rsym.model.requirements import require_shape
+from rsym.model.shape import Shape
+from rsym.problems.corners.common_zeros import CommonZero, common_zeros
+from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
+from rsym.problems.corners.leaf_jets import leaf_jets
+from rsym.problems.corners.reaches import Tips, reaches
+from rsym.problems.corners.sectors import Sector, sectors
+from rsym.sampling.extent import extent
+from rsym.sampling.form_signs import Boxes
+
+STRAIGHT = 1e-6  # radians: what turns less is no corner
+WIDER = 1e-6  # of the bounds: what lies on them is found
+SINGULAR = "singular-leaf"
+
+
+@dataclass(frozen=True)
+class PlaneCorner:
+    """A corner of the boundary, looked at from inside.
+
+    Attributes
+    ----------
+    point : pair of float
+    angle : float
+        Of the inside, between 0 and 2 pi; above pi the corner is re-entrant. At a cusp, where the edges touch, 0 or
+        2 pi.
+    leaves : pair of int
+        The leaves, by their numbers in the sign form, of both edges: counter-clockwise from the first to the second
+        is inside.
+    parts : pair of str
+        What they are called.
+    gradients : pair of pairs of float
+        Those of the leaves, rows of A; both point inside.
+    reach : float
+        Within this distance no other part of the boundary lies, and leaf coordinates are one to one; 0 of a cusp.
+    alone : bool
+        Whether no other leaf passes through the point; else only what lies between the edges is of this corner.
+
+    Examples
+    --------
+    >>> corner = PlaneCorner((0.0, 0.0), math.pi / 2, (1, 0), ("y", "x"), ((0.0, 1.0), (1.0, 0.0)), 1.0)
+    >>> corner.edges.round(12).tolist(), corner.is_reentrant, corner.is_cusp
+    ([[1.0, 0.0], [0.0, 1.0]], False, False)
+    """
+
+    point: tuple[float, float]
+    angle: float
+    leaves: tuple[int, int]
+    parts: tuple[str, str]
+    gradients: tuple[tuple[float, float], tuple[float, float]]
+    reach: float
+    alone: bool = True
+
+    @property
+    def is_reentrant(self) -> bool:
+        """Whether the inside is not convex there."""
+        return self.angle > math.pi
+
+    @property
+    def is_cusp(self) -> bool:
+        """Whether both edges leave in one direction."""
+        return self.angle in (0.0, 2 * math.pi)
+
+    @property
+    def edges(self) -> Floats:
+        """The unit directions of both edges, (2, 2)."""
+        p, q = (np.array(slope) / math.hypot(*slope) for slope in self.gradients)
+        return np.array([[p[1], -p[0]], [-q[1], q[0]]]) + 0.0  # no zeros with a sign
+
+
+def corners(shape: Shape, letters: Mapping[Any, float] | None = None, bounds: Any = None) -> tuple[PlaneCorner, ...]:
+    """All corners of the boundary of a plane shape, in the order of their coordinates.
+
+    Boxes are divided until each is proved, up to rounding, to hold no common zero of leaves that matter, or one. What
+    is inside around it follows from gradients, where leaves touch from curvatures. Where leaves go on as each other,
+    and where bounds cut the shape off, there is no corner; one that lies on the bounds is one.
+
+    Parameters
+    ----------
+    shape : Shape
+        In the plane.
+    letters : mapping, optional
+        Override the defaults.
+    bounds : pairs, optional
+        Where to look: else the bounds of the shape, else its extent.
+
+    Raises
+    ------
+    RsymError
+        ``singular-leaf`` where a leaf itself has a corner, a kink or a double point on the boundary, ``degenerate``
+        where leaves run along each other and cannot be told apart, both with the place; as `extent` without bounds.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> quarters = rsym.conjunction(1 - x**2, 1 - y**2, rsym.disjunction(-x, y))
+    >>> for corner in corners(rsym.Shape(quarters, (x, y))):
+    ...     print(corner.point, round(corner.angle / math.pi, 12), corner.parts)
+    (-1.0, -1.0) 0.5 ('1 - y**2', '1 - x**2')
+    (-1.0, 1.0) 0.5 ('1 - x**2', '1 - y**2')
+    (0.0, -1.0) 0.5 ('-x', '1 - y**2')
+    (0.0, 0.0) 1.5 ('y', '-x')
+    (1.0, 0.0) 0.5 ('1 - x**2', 'y')
+    (1.0, 1.0) 0.5 ('1 - y**2', '1 - x**2')
+    """
+    found, refused = surveyed_corners(shape, letters, bounds)
+    if refused:
+        raise refused[0]
+    return found
+
+
+def surveyed_corners(
+    shape: Shape, letters: Mapping[Any, float] | None = None, bounds: Any = None
+) -> tuple[tuple[PlaneCorner, ...], tuple[RsymError, ...]]:
+    """The `corners` of a shape, and in place of those that are refused the reasons.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> found, refused = surveyed_corners(rsym.Shape(rsym.conjunction(1 - x**2 - y**2, y + abs(x)), (x, y)))
+    >>> len(found), [error.code for error in refused]
+    (2, ['singular-leaf'])
+    """
+    require_shape(shape)
+    if shape.dimension != 2:
+        raise RsymError(
+            "corners are those of a shape in the plane, got one in space", code="dimension", remedy="take a section"
+        )
+    box = _box(shape, letters, bounds)
+    leaves = leaf_boxes(shape, letters)
+    named = leaf_names(shape_form(shape), shape)
+    found: list[PlaneCorner] = []
+    met: list[Ints] = []
+    meetings, along = common_zeros(leaves, box)
+    refused = list(along)
+    for meeting in meetings:
+        try:
+            zeros, own = _at(shape, leaves, meeting, letters)
+        except RsymError as error:
+            if error.code != SINGULAR:
+                raise
+            refused.append(error)
+            continue
+        alone = len(own) == 1 and {leaves.lines[k] for k in zeros} == {leaves.lines[k] for k in own[0][:2]}
+        corners_here = [_corner(leaves, named, meeting, sector, alone=alone) for sector in own]
+        found += [corner for corner in corners_here if corner is not None]
+        met += [zeros for corner in corners_here if corner is not None]
+    return _with_reaches(leaves, found, met, float(np.hypot(*box.sides[:, 0]))), tuple(refused)
+
+
+def _with_reaches(
+    leaves: LeafBoxes, found: Sequence[PlaneCorner], met: Sequence[Ints], size: float
+) -> tuple[PlaneCorner, ...]:
+    """The corners with their reaches; `met` are the leaves that vanish at each."""
+    known = [k for k, corner in enumerate(found) if not corner.is_cusp]
+    own = [found[k] for k in known]
+    tips = Tips(
+        np.array([corner.point for corner in own]).reshape(-1, 2),
+        np.array([corner.leaves for corner in own], np.int64).reshape(-1, 2),
+        np.array([corner.gradients for corner in own]).reshape(-1, 2, 2),
+        np.array([corner.angle for corner in own]),
+        [met[k] for k in known],
+    )
+    far = dict(zip(known, reaches(leaves, tips, size).tolist(), strict=True))
+    return tuple(replace(corner, reach=far.get(k, 0.0)) for k, corner in enumerate(found))
+
+
+def _box(shape: Shape, letters: Mapping[Any, float] | None, bounds: Any) -> Boxes:
+    """Where to look."""
+    chosen = shape.replace(bounds=bounds).bounds if bounds is not None else shape.bounds
+    low, high = np.array(extent(shape, letters) if chosen is None else chosen, float).T[:, :, None]
+    return Boxes(low - WIDER * (high - low), high + WIDER * (high - low))
+
+
+def _at(
+    shape: Shape, leaves: LeafBoxes, meeting: CommonZero, letters: Mapping[Any, float] | None
+) -> tuple[Ints, list[Sector]]:
+    """The leaves that vanish at a place where some meet, and the sectors inside around it."""
+    near = leaves.over(Boxes(*(meeting.point[:, None] + side * 4 * meeting.radius for side in (-1, 1))))[..., 0]
+    signs = (near[:, 0, 0] > 0).astype(int) - (near[:, 0, 1] < 0)
+    matter = leaves.matter(near[..., None])[:, 0]
+    if not matter.any():
+        return np.empty(0, np.int64), []
+    met = np.flatnonzero(signs == 0)
+    steady = leaves.steady(near[..., None])[:, 0]
+    for leaf in met[matter[met] & ~steady[met]]:
+        raise RsymError(
+            f"a leaf has a kink or no gradient there: {leaf_names(shape_form(shape), shape)[leaf]}",
+            code=SINGULAR,
+            where=f"({meeting.point[0]:.10g}, {meeting.point[1]:.10g})",
+            remedy="join the parts that meet there by R-operations, so that each has a formula of its own",
+        )
+    met = met[steady[met]]
+    gradients = {leaf: near[leaf, 1:].mean(axis=1) for leaf in met.tolist()}
+    hessians = dict.fromkeys(gradients, np.zeros(3))
+    if meeting.touching:
+        found = leaf_jets(shape, tuple(gradients), letters).at(meeting.point[None])
+        hessians = dict(zip(gradients, found[:, 3:, 0], strict=True))
+    return met, sectors(leaves.form.gates, signs.tolist(), gradients, hessians)
+
+
+def _corner(
+    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, *, alone: bool
+) -> PlaneCorner | None:
+    """The corner that a sector is, of unknown reach; None if its edges go on as each other."""
+    both = sector.first, sector.second
+    if abs(sector.opening - math.pi) < STRAIGHT:
+        return None
+    slopes = leaves.at(meeting.point[:, None])[list(both), 1:, 0]
+    angle = sector.opening if sector.opening in (0.0, 2 * math.pi) else _angle(slopes)
+    (px, py), (qx, qy) = slopes.tolist()
+    place = float(meeting.point[0]), float(meeting.point[1])
+    return PlaneCorner(place, angle, both, (named[both[0]], named[both[1]]), ((px, py), (qx, qy)), 0.0, alone)
+
+
+def _angle(slopes: Floats) -> float:
+    """From the edge with the first inner normal counter-clockwise to that with the second."""
+    (p, q), (u, v) = slopes
+    return math.atan2(q * u - p * v, -(p * u + q * v)) % (2 * math.pi)

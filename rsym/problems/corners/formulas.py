@@ -1,0 +1,83 @@
+"""Corner functions as expressions, for print: in the two leaves, whose letters stay."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import sympy as sp
+
+from rsym.logic.sign_form import shape_form
+from rsym.model.shape import Shape
+from rsym.problems.corners.corner_functions import CornerFunctions, LocalFunctions, Term
+from rsym.program.raising import raised
+
+LARGEST = 24  # denominator of a part of pi that an angle is taken for
+SAME = 1e-12
+
+
+def formulas(shape: Shape, functions: CornerFunctions) -> tuple[sp.Expr, ...]:
+    """The functions as expressions in the coordinates and letters of their shape.
+
+    They are 0 on both edges for other letters too; angle, place, radius and lengths of gradients are those numbers
+    that the functions were made with.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> from rsym.problems.corners.corners import corners
+    >>> from rsym.problems.corners.corner_functions import corner_functions
+    >>> shape = rsym.Shape(rsym.conjunction(x, y, 1 - x, 1 - y), (x, y))
+    >>> (first, *_) = formulas(shape, corner_functions(shape, corners(shape)[:1], levels=1, highest=2.0))
+    >>> first.subs({x: sp.Rational(3, 10), y: 0}), round(first.subs({x: 0.1, y: 0.2}), 6)
+    (0, 0.006687)
+    """
+    form = shape_form(shape)
+    u, v = shape.coordinates
+    found = []
+    for part in functions.parts:
+        first, second = (raised(form.builder.nodes, form.leaves[leaf]) for leaf in part.corner.leaves)
+        away = (u - _number(part.corner.point[0])) ** 2 + (v - _number(part.corner.point[1])) ** 2
+        found += _of_corner(part, first, second, away)
+    return tuple(found)
+
+
+def _of_corner(part: LocalFunctions, first: sp.Expr, second: sp.Expr, away: sp.Expr) -> list[sp.Expr]:
+    corner, alpha = part.corner, _angle(part.corner.angle)
+    v, w = (leaf / _number(math.hypot(*slope)) for leaf, slope in zip((first, second), corner.gradients, strict=True))
+    u = (w + v * sp.cos(alpha)) / sp.sin(alpha)
+    squared = u**2 + v**2
+    half = alpha / 2
+    theta = half + sp.atan2(v * sp.cos(half) - u * sp.sin(half), u * sp.cos(half) + v * sp.sin(half))
+    factor = (1 - squared / _number(part.radius) ** 2) ** part.power
+    inside = [(squared, _number(part.radius) ** 2), (away, _number(corner.reach) ** 2)]
+    if not corner.alone:
+        inside += [(-theta, 0), (theta, alpha)]
+    found = []
+    for term in part.terms:
+        value = factor * _term(term, alpha, squared, v, alpha - theta if part.turned else theta, theta)
+        for small, large in inside:
+            value = sp.Piecewise((value, small < large), (0, True))
+        found.append(value)
+    return found
+
+
+def _term(term: Term, alpha: sp.Expr, squared: sp.Expr, v: sp.Expr, angle: sp.Expr, theta: sp.Expr) -> sp.Expr:
+    if term.kind == "log":
+        imaginary = squared * (sp.log(squared) / 2 * sp.sin(2 * theta) + theta * sp.cos(2 * theta))
+        return squared ** round((term.exponent - 2) / 2) * (-(v**2) / 2 - imaginary / (2 * alpha))
+    rate = sp.Rational(round(2 * term.rate * float(alpha) / math.pi), 2) * sp.pi / alpha
+    wave = sp.sin if term.kind == "sin" else sp.cos
+    return squared ** ((rate + round(term.exponent - term.rate)) / 2) * wave(rate * angle)
+
+
+def _angle(angle: float) -> sp.Expr:
+    """An angle, exactly if it is a simple part of pi."""
+    share = Fraction(angle / math.pi).limit_denominator(LARGEST)
+    return sp.Rational(share) * sp.pi if abs(share * math.pi - angle) < SAME else _number(angle)
+
+
+def _number(value: float) -> sp.Expr:
+    """A number, exactly if it is whole."""
+    return sp.Integer(round(value)) if value == round(value) else sp.Float(value, 17)

@@ -1,0 +1,70 @@
+"""Leaves of a plane shape with their derivatives to the second, at points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Floats
+from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
+from rsym.logic.sign_form import SignForm, shape_form
+from rsym.model.recent import recently
+from rsym.model.shape import Shape
+from rsym.program.differentiation import derivative
+
+FEW = 12  # leaves that are compiled; a tape takes twice as long at each point
+
+
+@dataclass(frozen=True)
+class LeafJets:
+    """Some leaves of a shape, by their numbers, with letters.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> jets = leaf_jets(rsym.Shape(rsym.conjunction(x, 5 - x * y**2), (x, y)), (1,))
+    >>> jets.at(np.array([[1.0, 2.0]])).ravel().tolist()
+    [1.0, -4.0, -4.0, 0.0, -4.0, -2.0]
+    """
+
+    kernel: Kernel
+    rows: tuple[int, ...]
+    letters: Mapping[str, float]
+
+    def at(self, places: Floats) -> Floats:
+        """Value, both first and the three second derivatives xx, xy, yy at points (n, 2): (leaves, 6, n)."""
+        program = self.kernel.program
+        out = np.empty((len(program.outputs), len(places)))
+        given = [self.letters[name] for name in program.letters]
+        run_in_blocks(self.kernel.function, list(np.ascontiguousarray(places.T)), given, out, self.kernel.threads)
+        return out.reshape(-1, 6, len(places))[list(self.rows)]
+
+
+def leaf_jets(shape: Shape, leaves: Sequence[int], letters: Mapping[Any, float] | None = None) -> LeafJets:
+    """Some leaves of ``shape_form(shape)``; other letters need no compilation."""
+    own = sorted(set(leaves))
+    rows = tuple(own.index(leaf) for leaf in leaves)
+    return LeafJets(_kernel(shape, tuple(own)), rows, shape.letters.values_with(letters))
+
+
+@recently(8)
+def _form(shape: Shape) -> SignForm:
+    return shape_form(shape)
+
+
+@recently(64)
+def _kernel(shape: Shape, leaves: tuple[int, ...]) -> Kernel:
+    form = _form(shape)
+    b = form.builder
+    outputs = {}
+    for k, number in enumerate(leaves):
+        leaf = form.leaves[number]
+        first = [derivative(b, leaf, name) for name in b.coordinates]
+        second = [derivative(b, first[i], b.coordinates[j]) for i, j in ((0, 0), (0, 1), (1, 1))]
+        outputs.update({f"{k} {part}": node for part, node in enumerate((leaf, *first, *second))})
+    backend = None if len(form.leaves) <= FEW else "tape"
+    return compile_program(b.program(outputs), (), shape, backend=backend, threads=1)

@@ -1,0 +1,135 @@
+"""The compiled loop of corner functions: at each point one power, sine and cosine, of which all others are products."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rsym.sampling.compiled import loop, step
+
+SIN, COS, LOG = 0, 1, 2
+EDGE = 1e-6  # radians: what is on an edge but for rounding
+TINY = 1e-100  # of a radius; its powers do not overflow
+
+
+@step
+def turned(angle: float, cut: float) -> float:
+    """An angle between the cut and a turn before it."""
+    if angle > cut:
+        return angle - 2 * math.pi
+    if angle < cut - 2 * math.pi:
+        return angle + 2 * math.pi
+    return angle
+
+
+@step
+def phased(half: int, sine: float, cosine: float) -> tuple[float, float]:
+    """The sine of half*pi/2 - t, and its derivative over the rate of t where t falls, by those of t."""
+    if half % 4 == 0:
+        return -sine, cosine
+    if half % 4 == 1:
+        return cosine, sine
+    if half % 4 == 2:
+        return sine, -cosine
+    return -cosine, -sine
+
+
+@step
+def multiples(waves: Any, power: float, angle: float) -> None:
+    """Powers, sines and cosines of multiples, from that of one."""
+    s, c = math.sin(angle), math.cos(angle)
+    waves[0, 0], waves[1, 0], waves[2, 0] = 1.0, 0.0, 1.0
+    for k in range(1, waves.shape[1]):
+        sine, cosine = waves[1, k - 1], waves[2, k - 1]
+        waves[0, k] = waves[0, k - 1] * power
+        waves[1, k], waves[2, k] = sine * c + cosine * s, cosine * c - sine * s
+
+
+@step
+def loaded(alpha: float, log: float, t: float) -> tuple[float, float, float, float]:
+    """S/r**2, S = -v**2/2 - Im(z**2 log z)/(2 alpha), its derivative by t, and r times those of both by r."""
+    s2, c2, sine = math.sin(2 * t), math.cos(2 * t), math.sin(t)
+    y = -sine * sine / 2 - (log * s2 + t * c2) / (2 * alpha)
+    dy = -s2 / 2 - (2 * log * c2 + c2 - 2 * t * s2) / (2 * alpha)
+    return y, dy, -s2 / (2 * alpha), -c2 / alpha
+
+
+@step
+def put(out: Any, k: int, at: int, n: int, u: Any, v: Any, c: float, s: float, polar: Any) -> None:
+    """The derivatives of a term by x and y, from those in polar coordinates: value, r, t, rr, rt and Laplacian."""
+    value, dr, dt, rr, rt, flat = polar
+    out[0, k, at] = value
+    if out.shape[0] == 1:
+        return
+    for i in range(1, 3):
+        out[i, k, at] = dr * (c * u[i, n] + s * v[i, n]) + dt * (c * v[i, n] - s * u[i, n])
+    if out.shape[0] == 3:
+        return
+    for m in range(3):
+        i, j = 1 + m // 2, 1 + (m + 1) // 2
+        ai, aj = c * u[i, n] + s * v[i, n], c * u[j, n] + s * v[j, n]
+        bi, bj = c * v[i, n] - s * u[i, n], c * v[j, n] - s * u[j, n]
+        # The second derivative across is flat - rr: in the Laplacian what is harmonic cancels.
+        bent = dr * (c * u[3 + m, n] + s * v[3 + m, n]) + dt * (c * v[3 + m, n] - s * u[3 + m, n])
+        out[3 + m, k, at] = rr * (ai * aj - bi * bj) + rt * (ai * bj + aj * bi) + flat * bi * bj + bent
+
+
+@loop
+def corner_terms(
+    u: Any, v: Any, w: Any, alpha: float, radius: float, power: int, other: bool, alone: bool,
+    kinds: Any, halves: Any, levels: Any, rates: Any, waves: Any, where: Any, out: Any,
+) -> None:  # fmt: skip
+    """The derivatives of terms at points to `out` (1, 3 or 6 kinds, terms, all points), in the columns `where`.
+
+    u, v and w, (6, n), have their derivatives in the order of the kinds. The rate of a term is halves*pi/(2*alpha), its
+    exponent that and twice its level; `other`: angles are counted from the second edge. `waves` has room for the
+    powers, sines and cosines of all multiples.
+    """
+    ca, sa, cut, base = math.cos(alpha), math.sin(alpha), alpha / 2 + math.pi, math.pi / (2 * alpha)
+    for n in range(u.shape[1]):
+        r = math.hypot(u[0, n], v[0, n])
+        if r >= radius:
+            continue
+        angle = turned(math.atan2(v[0, n], u[0, n]), cut)
+        rest = turned(math.atan2(w[0, n], (v[0, n] + w[0, n] * ca) / sa), cut)
+        if not alone and (angle <= -EDGE or rest <= -EDGE):
+            continue
+        r = max(r, TINY)
+        # The angle to the nearer edge is exact.
+        first = abs(angle) <= abs(rest)
+        t = angle if first else rest
+        share = r / radius
+        fall = max((1 - share) * (1 + share), 0.0)
+        inner = fall ** (power - 2)
+        # The factor, r times its derivative, and r**2 times its second one.
+        chi = inner * fall * fall
+        chi1 = -2 * power * share * share * inner * fall
+        chi2 = chi1 + 4 * power * (power - 1) * share**4 * inner
+        multiples(waves, r**base, base * t)
+        for k in range(len(kinds)):
+            level, rate = levels[k], rates[k]
+            e = rate + 2 * level
+            # Of F = chi*r**e, over r**e: r F', r**2 F'', and r**2 F'' + r F' - rate**2 F.
+            f1 = e * chi + chi1
+            f2 = e * (e - 1) * chi + 2 * e * chi1 + chi2
+            flat = 4 * level * (rate + level) * chi + (2 * e + 1) * chi1 + chi2
+            size = r ** (2 * level)
+            if kinds[k] == LOG:
+                y, dy, a, b = loaded(alpha, math.log(r), t)
+                if not first:  # it looks the same from the second edge
+                    dy, b = -dy, -b
+                lap = flat * y + 2 * (f1 - 2 * chi) * a - chi
+            else:
+                size *= waves[0, halves[k]] / (r * r)
+                y, dy = waves[1, halves[k]], waves[2, halves[k]]
+                if first == other:
+                    y, dy = phased(halves[k], y, dy)
+                if kinds[k] == COS:
+                    y, dy = dy, -y
+                dy *= -rate if other else rate
+                a, b, lap = 0.0, 0.0, flat * y
+            polar = (
+                chi * r * r * size * y, (f1 * y + chi * a) * r * size, chi * r * size * dy,
+                (f2 * y + (2 * f1 - chi) * a) * size, ((f1 - chi) * dy + chi * b) * size, lap * size,
+            )  # fmt: skip
+            put(out, k, where[n], n, u, v, u[0, n] / r, v[0, n] / r, polar)
