@@ -35,6 +35,7 @@ TABLE = {
     "plot_atlas": ("ax", Figure, {"levels", "limits", "colour_map"}),
     "plot_continuity": ("ax3d", Artist, {"colour_by"}),
     "plot_curvature_comb": ("ax", Artist, {"limits", "colour_map"}),
+    "plot_deformation": ("ax", Artist, {"levels", "title", "colour_map"}),
     "plot_designs": ("figure", Figure, {"limits", "titles"}),
     "plot_fairness": ("figure", Figure, {"limits"}),
     "plot_field": ("ax", Artist, {"levels", "limits", "title", "colour_map", "outside"}),
@@ -43,11 +44,13 @@ TABLE = {
     "plot_gallery": ("figure", Figure, {"limits", "titles", "colour_map"}),
     "plot_image": ("ax", Artist, set()),
     "plot_mesh": ("ax3d", Artist, {"limits", "colour_map", "colour_by"}),
+    "plot_modes": ("figure", Figure, {"titles", "colour_map"}),
     "plot_patches": ("ax3d", Artist, {"limits", "colour_map", "colour_by"}),
     "plot_repair": ("figure", Figure, {"titles"}),
     "plot_sections": ("ax", Artist, {"limits", "colour_map"}),
     "plot_sensitivity": ("ax", Artist, {"limits", "colour_map"}),
     "plot_sweep": ("figure", Figure, {"levels", "limits", "titles", "colour_map", "outside"}),
+    "plot_torsion": ("ax", Artist, {"title", "colour_map"}),
     "plot_verdict": ("ax", Figure, {"colour_by"}),
 }
 WORDS = {"levels", "limits", "title", "titles", "colour_map", "outside", "colour_by"}
@@ -85,10 +88,15 @@ def pictures():
     octant = sphere_octant(1.0)
     fitted = functools.cache(lambda: rsym.fit(ROUND, [[2, 0], [0, 2.1], [-1.9, 0], [0, -2]], letters=["r"]))
     moving = functools.cache(lambda: rsym.sensitivity(ROUND, "r", resolution=32))
+    held = {...: rsym.fixed()}
+    pressed = functools.cache(lambda: rsym.elasticity(OVAL, held, young=1, poisson=0.3, loads=(0, -1), cells=8))
+    drum = functools.cache(lambda: rsym.modes(rsym.disc(1), 2, cells=8))
+    twisted = functools.cache(lambda: rsym.torsion(rsym.disc(1), cells=8))
     return {
         "plot_atlas": lambda **place: rsym.plot_atlas(atlas(), **place),
         "plot_continuity": lambda **place: rsym.plot_continuity([octant, octant], resolution=6, **place),
         "plot_curvature_comb": lambda **place: rsym.plot_curvature_comb(OVAL, resolution=32, **place),
+        "plot_deformation": lambda **place: rsym.plot_deformation(pressed(), resolution=24, **place),
         "plot_designs": lambda **place: rsym.plot_designs(table(), **place),
         "plot_fairness": lambda **place: rsym.plot_fairness(fair(), **place),
         "plot_field": lambda **place: rsym.plot_field(DISC, resolution=24, **place),
@@ -97,11 +105,13 @@ def pictures():
         "plot_gallery": lambda **place: rsym.plot_gallery({"disc": DISC, "ball": BALL}, resolution=16, **place),
         "plot_image": lambda **place: rsym.plot_image(rsym.render(BALL, size=(60, 40)), **place),
         "plot_mesh": lambda **place: rsym.plot_mesh(body(), **place),
+        "plot_modes": lambda **place: rsym.plot_modes(drum(), resolution=24, **place),
         "plot_patches": lambda **place: rsym.plot_patches(octant, resolution=6, **place),
         "plot_repair": lambda **place: rsym.plot_repair(repaired(), **place),
         "plot_sections": lambda **place: rsym.plot_sections(stack(), **place),
         "plot_sensitivity": lambda **place: rsym.plot_sensitivity(moving(), **place),
         "plot_sweep": lambda **place: rsym.plot_sweep(ROUND, "r", [1, 2], resolution=24, **place),
+        "plot_torsion": lambda **place: rsym.plot_torsion(twisted(), resolution=24, **place),
         "plot_verdict": lambda **place: rsym.plot_verdict(reports.undecided_disc(), DISC, resolution=24, **place),
     }
 

@@ -70,6 +70,7 @@ OPTIONAL = {
     "rsym.sampling.kernels.mesher_kernels": "llvmlite may be missing",
     "rsym.sampling.kernels.ray_kernels": "llvmlite may be missing",
     "rsym.sampling.mesher": "numba may be missing",
+    "rsym.sampling.rules.leaf_functions": "numba may be missing",
     "rsym.sampling.triangles": "numba may be missing",
     "rsym.output.explorer": "ipywidgets may be missing",
 }

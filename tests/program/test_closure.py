@@ -25,12 +25,14 @@ from rsym.bounds import far_forms
 from rsym.bounds.ball_series import SeriesFunction, arb, truncated
 from rsym.bounds.balls import BallFunction
 from rsym.bounds.intervals import IntervalFunction
+from rsym.program import raising
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative, gradient_of_one_side
 from rsym.program.expansion import expand
 from rsym.program.fields import Jumps
 from rsym.program.lowering import LOWERINGS
 from rsym.program.operations import OPERATIONS, SMOOTH
+from rsym.program.program import Node
 from rsym.program.row import Operation
 from rsym.verify.boxes.domains import is_defined
 from rsym.verify.boxes.generators import is_analytic_at
@@ -144,7 +146,7 @@ def plain_route(operation):
     symbols = [sp.Symbol(name, real=True) for name in NAMES]
     _, _, count = single(operation)
     given = [*symbols[:count], *([sp.Rational(PARAMETERS[operation])] if operation in PARAMETERS else [])]
-    formula = plain._formula(operation, given, DATA.get(operation))
+    formula = raising.raised_node(Node(operation, tuple(range(len(given))), DATA.get(operation)), given)
     points = safe()
     got = sp.lambdify(symbols, formula, [plain._MISSING, "numpy"])(*points.T)
     assert np.allclose(got, values(operation, points), rtol=1e-9, atol=0, equal_nan=True)

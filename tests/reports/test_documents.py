@@ -50,6 +50,10 @@ def measured_oval():
     return rsym.measure(rsym.Shape(1 - x**2 / 4 - y**2, (x, y)).named("oval"))
 
 
+def solved_disc():
+    return rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).report
+
+
 def designs():
     oval = rsym.Shape(1 - x**2 / a**2 - y**2, (x, y), letters={a: 2}, bounds=((-4, 4), (-2, 2)))
     return rsym.compare_designs(oval, {"round": {"a": 1.25}, "long": {"a": 3}}, tolerance=0.1)
@@ -152,7 +156,7 @@ REAL = [
     edges,
 ]
 REAL += [edges_by_samples, threshold, systems, mesh_status, file_status, clipped_mesh]
-REAL += [level_lines, refused_blend, corrected_patch, corrected_fit, fitted, moving, measured_oval]
+REAL += [level_lines, refused_blend, corrected_patch, corrected_fit, fitted, moving, measured_oval, solved_disc]
 MAKERS = [functools.cache(make) for make in (*reports.EVERY, *body_reports.EVERY, *REAL)]
 
 
