@@ -17,7 +17,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation
-from rsym.problems.places import inside, on_shape, rule_on
+from rsym.problems.places import inside, on_shape, relettered, rule_on
 from rsym.problems.printed import printed
 from rsym.problems.problem import Problem, on_part, with_corners
 from rsym.problems.refinement import Grade
@@ -321,7 +321,7 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
-        problem = replace(self.problem, shape=self.shape.with_letters(values), corners=())
+        problem = replace(self.problem, shape=relettered(self.shape, values), corners=())
         problem = with_corners(problem) if self.problem.corners else problem
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
