@@ -131,3 +131,11 @@ def test_a_peak_between_the_points_of_the_first_rule_is_found():
     with pytest.warns(rsym.RsymWarning, match="known to a relative error"):
         found = rsym.integrate(lambda u, v: peak(u, v, 1e-6), rsym.disc(1))
     assert abs(found - 1 - math.pi) < found.error < 1
+
+
+@pytest.mark.parametrize(("radius", "turn"), [(0.5, 0.0), (0.25, 0.0), (0.2, 0.0), (0.625, 6.29)])
+def test_lengths_lost_where_boundaries_touch_are_told(radius, turn):
+    hole = rsym.disc(radius, ((1 - radius) * math.cos(turn), (1 - radius) * math.sin(turn)))
+    found = rsym.measure(rsym.disc(1) - hole)
+    assert abs(found.length - 2 * math.pi * (1 + radius)) < found.length.error < 1e-5
+    assert close(found.area, math.pi * (1 - radius**2), 1e-9)

@@ -128,7 +128,7 @@ class Quadrature:
         Points along each direction.
     unresolved : float
         The measure of what is left of cells, divided as far as it goes, in which the heights of leaves are not proved
-        to be graphs: the rule may be wrong there.
+        to be graphs, and in the plane of squares of where two leaves touch: the rule may be wrong there.
 
     Examples
     --------
@@ -349,12 +349,9 @@ def _portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Floa
     rules, unresolved = [tensor_rule(found.lower, found.upper, found.owner, order)], 0.0
     for pieces in found.cut:
         if len(pieces):
-            if functions.dimension == 2:
-                rules.append(plane_rule(functions, pieces, order))
-            else:
-                rule, part = space_rule(functions, pieces, order)
-                rules.append(rule)
-                unresolved += part
+            rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, order)
+            rules.append(rule)
+            unresolved += part
             unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
     rule = rules_together(rules)
     number = np.searchsorted(cells, rule.owner)
