@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,19 +27,37 @@ def rule_on(
     shape: Shape, names: Collection[Name], cells: int, order: int, near: Sequence[Sequence[float]] = ()
 ) -> Quadrature:
     """The rule of a problem with conditions on parts of these names, its cells graded towards some points."""
-    box = shape.bounds
+    box, given = None, shape.bounds
     with suppress(RsymError):
         found = extent(shape)
         # Bounds with room beside the shape would be cells without it.
-        if box is None or all(a <= c and d <= b for (a, b), (c, d) in zip(box, found, strict=True)):
-            box = found
+        inside = given is None or all(a <= c and d <= b for (a, b), (c, d) in zip(given, found, strict=True))
+        box = found if inside else given
     rule = quadrature(shape, cells=cells, order=order, bounds=box, near=near or None)
     on_leaves = assigned(shape, list(names))
-    there = {on_leaves[leaf] for leaf in np.unique(rule.boundary.leaves) if leaf < len(on_leaves)}
+    met = np.unique(rule.boundary.leaves)
+    sides = [rule.parts[leaf].removeprefix("cap ") for leaf in met if leaf >= len(on_leaves)]
+    if sides and box is not None:
+        raise RsymError(
+            f"the shape's own bounds cut it, and no condition holds there: {', '.join(sides)}",
+            code="bounds",
+            remedy="shape.replace(bounds=rsym.extent(shape)), or cut it by a shape with a name",
+        )
+    there = {on_leaves[leaf] for leaf in met if leaf < len(on_leaves)}
     for name in names:
         if isinstance(name, str) and name not in there:
             raise vanished(name)
     return rule
+
+
+def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:
+    """The shape at other letters, within bounds of its own there where it has any: those of before may cut it."""
+    changed = shape.with_letters(values)
+    if changed.bounds is None or changed.letters == shape.letters:
+        return changed
+    with suppress(RsymError):
+        return changed.replace(bounds=extent(changed))
+    return changed
 
 
 def inside(shape: Shape, splines: WebSplines, points: Floats) -> Flags:

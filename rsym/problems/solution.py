@@ -18,7 +18,7 @@ from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.corners.choice import CornerChoice
 from rsym.problems.galerkin import Discretisation
-from rsym.problems.places import inside, on_shape, rule_on
+from rsym.problems.places import inside, on_shape, relettered, rule_on
 from rsym.problems.printed import printed
 from rsym.problems.problem import Problem, on_part, with_corners
 from rsym.problems.refinement import Grade
@@ -342,7 +342,7 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
-        problem = replace(self.problem, shape=self.shape.with_letters(values), corners=None)
+        problem = replace(self.problem, shape=relettered(self.shape, values), corners=None)
         problem = problem if self.problem.corners is None else with_corners(problem)
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)

@@ -19,6 +19,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, resolved
 from rsym.problems.equations import equation_of
 from rsym.problems.loops import holes
+from rsym.problems.places import relettered
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
@@ -165,7 +166,7 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
             named[name] = value
             if isinstance(value, Shape):
                 shape = shape.replace(letters={**value.letters, **shape.letters})
-    shape = shape.with_letters({name: value for name, value in numbers.items() if name in shape.letters})
+    shape = relettered(shape, {name: value for name, value in numbers.items() if name in shape.letters})
     shape = shape.replace(letters={**{n: v for n, v in numbers.items() if n not in shape.letters}, **shape.letters})
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))

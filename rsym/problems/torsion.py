@@ -15,6 +15,7 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.equations import equation_of
 from rsym.problems.loops import loops_of
+from rsym.problems.places import relettered
 from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import Grade, refined
 from rsym.problems.solution import MORE_POINTS, Attained, Solution, rule_for, solved
@@ -76,7 +77,7 @@ class Torsion:
     def with_letters(self, values: Mapping[Any, float]) -> Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         report, problem = self.solution.report, self.solution.problem
-        other = replace(problem, shape=problem.shape.with_letters(values))
+        other = replace(problem, shape=relettered(problem.shape, values))
         other = other if problem.corners is None else with_corners(other)
         return _torsion(other, report.cells, report.degree)
 
@@ -122,7 +123,7 @@ def torsion(
     checked_degree(degree)
     if shape.dimension != 2:
         raise RsymError("torsion is of a section in the plane", code="dimension", remedy="give a shape of x and y")
-    problem = _problem(shape if letters is None else shape.with_letters(letters))
+    problem = _problem(shape if letters is None else relettered(shape, letters))
     problem = with_corners(problem) if corners else problem
     if cells is not None:
         return _torsion(problem, cells, degree)

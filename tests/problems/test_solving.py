@@ -244,3 +244,15 @@ def test_a_part_that_has_vanished_is_refused():
     with pytest.raises(rsym.RsymError, match="'far' has nothing of the boundary") as raised:
         rsym.solve(square, "-laplacian(u) = 1", {"far": rsym.neumann(1), ...: 0}, cells=8)
     assert raised.value.code == "vanished-part"
+
+
+def test_other_letters_are_solved_beyond_the_bounds_of_the_first():
+    grown = rsym.disc(sp.Symbol("d", real=True), letters={"d": 1})
+    u = rsym.solve(grown, "-laplacian(u) = 4", 0, cells=8)
+    assert abs(u.with_letters({"d": 2})(0, 0) - 4) < 1e-12
+    assert abs(rsym.solve(grown, "-laplacian(u) = 4", 0, cells=8, letters={"d": 2})(0, 0) - 4) < 1e-12
+    with pytest.raises(
+        rsym.RsymError, match=r"own bounds cut it.*: x lower, x upper, y lower, y upper; remedy"
+    ) as told:
+        rsym.solve(grown.with_letters({"d": 2}), "-laplacian(u) = 4", 0, cells=8)
+    assert told.value.code == "bounds"

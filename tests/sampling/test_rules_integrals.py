@@ -8,7 +8,8 @@ import pytest
 import sympy as sp
 
 import rsym
-from rsym import x, y, z
+from rsym import conjunction, x, y, z
+from rsym.sampling.rules import refinement
 
 r = sp.Symbol("r", real=True)
 
@@ -89,3 +90,52 @@ def test_refusals(half):
         rsym.integrate(sp.Symbol("unknown"), half)
     with pytest.raises(rsym.RsymError, match="bounds"):
         rsym.measure(rsym.Shape(x, (x, y)))
+
+
+def test_own_bounds_that_cut_are_told():
+    grown = rsym.disc(r, letters={r: 1})
+    with pytest.warns(rsym.RsymWarning, match="own bounds cut it: x lower, x upper, y lower, y upper; give bounds="):
+        assert rsym.measure(grown, letters={"r": 2}).area < 6
+    with pytest.warns(rsym.RsymWarning, match="own bounds cut it: x upper;"):
+        rsym.quadrature(rsym.disc(1) | rsym.Shape(conjunction(y + 1, -y, x, 2 - x), (x, y)), cells=8)
+    with pytest.warns(rsym.RsymWarning, match="own bounds"):
+        rsym.integrate(1, grown.with_letters({"r": 2}), "boundary")
+    wide = rsym.extent(grown, {"r": 2})
+    assert close(rsym.measure(grown, letters={"r": 2}, bounds=wide).area, 4 * math.pi)
+    assert close(rsym.measure(grown, letters={"r": 2}, bounds=((-1, 1), (-1, 1))).area, 4)
+
+
+def test_a_node_has_no_length():
+    found = rsym.measure(rsym.Shape(x**2 - y**2 - (x**2 + y**2) ** 2, (x, y))).length
+    truth = float(sp.gamma(sp.Rational(1, 4)) ** 2 / sp.sqrt(2 * sp.pi))
+    assert abs(found - truth) < found.error < 1e-11
+
+
+def test_a_sum_that_is_not_a_number_is_not_known(monkeypatch):
+    made = rsym.sampling.rules.quadrature.prepared(rsym.disc(1), None, None)
+    monkeypatch.setattr(refinement, "MOST_POINTS", {2: 1e4, 3: 1e4})
+    for value in (math.inf, math.nan):
+        with pytest.warns(rsym.RsymWarning, match="not known"):
+            found = refinement.refined(
+                made, lambda _, v=value: (np.array([v]), np.array([v])), tolerance=None, cells=None, order=8
+            )
+        assert found.integral(0).error == math.inf
+
+
+def test_a_peak_between_the_points_of_the_first_rule_is_found():
+    def peak(u, v, square):
+        return 1 + np.exp(-((u - 0.031) ** 2 + (v - 0.042) ** 2) / square) / (np.pi * square)
+
+    found = rsym.integrate(lambda u, v: peak(u, v, 1e-4), rsym.disc(1), order=4)
+    assert abs(found / (1 + math.pi) - 1) < 1e-12
+    with pytest.warns(rsym.RsymWarning, match="known to a relative error"):
+        found = rsym.integrate(lambda u, v: peak(u, v, 1e-6), rsym.disc(1))
+    assert abs(found - 1 - math.pi) < found.error < 1
+
+
+@pytest.mark.parametrize(("radius", "turn"), [(0.5, 0.0), (0.25, 0.0), (0.2, 0.0), (0.625, 6.29)])
+def test_lengths_lost_where_boundaries_touch_are_told(radius, turn):
+    hole = rsym.disc(radius, ((1 - radius) * math.cos(turn), (1 - radius) * math.sin(turn)))
+    found = rsym.measure(rsym.disc(1) - hole)
+    assert abs(found.length - 2 * math.pi * (1 + radius)) < found.length.error < 1e-5
+    assert close(found.area, math.pi * (1 - radius**2), 1e-9)

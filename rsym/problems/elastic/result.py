@@ -15,7 +15,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import STRAIN, ElasticBody
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
-from rsym.problems.places import on_shape, rule_on
+from rsym.problems.places import on_shape, relettered, rule_on
 from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, with_rule
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.linear import solve_system
@@ -174,7 +174,7 @@ class ElasticSolution:
 
     def with_letters(self, values: Mapping[Any, float]) -> ElasticSolution:
         """The same body for other letters, with the same cells and degree: new matrices, nothing compiled."""
-        body = replace(self.body, shape=self.shape.with_letters(values))
+        body = replace(self.body, shape=relettered(self.shape, values))
         rule = rule_on(body.shape, body.named, self.report.cells, self.order)
         return in_equilibrium(body, rule, self.report.cells, self.report.degree)
 

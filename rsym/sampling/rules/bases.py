@@ -21,10 +21,12 @@ from rsym.sampling.rules.segments import Segments
 from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST
 
 SAME = 4.0  # tolerances; breaks and roots so close are one
+NARROW = 16.0  # roots of tolerances: where two leaves touch, closer than rounding, a segment is no wider
+BOTH = 5.0  # of the base: two leaves that climb no steeper than 2
 
 
-def plane_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> CellRule:
-    """The rule on plane pieces with a height."""
+def plane_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> tuple[CellRule, float]:
+    """The rule on plane pieces with a height, and the measure of where leaves touch and lose both their lengths."""
     ends = np.stack([pieces.lower, pieces.upper], axis=1)
     bases = _Bases(Columns.of(functions, pieces), along(ends, 1 - pieces.axis))
     return bases.rule(bases.segments(), order)
@@ -113,7 +115,7 @@ class _Bases:
         found = np.concatenate([brackets.which, double])
         return own[found], np.concatenate([meetings(curves, brackets), middles])
 
-    def rule(self, segments: Segments, order: int) -> CellRule:
+    def rule(self, segments: Segments, order: int) -> tuple[CellRule, float]:
         """The points on lines across segments, and on upright leaves."""
         x, w = gauss(order)
         width = segments.upper - segments.lower
@@ -129,7 +131,20 @@ class _Bases:
             along_walls = replace(parts, leaf=leaf[parts.line])
         else:
             along_walls = walls.walked_upright(kind, *self._sides(segments), weight)
-        return self.columns.rule(lines, (w * width[:, None]).ravel(), walls, along_walls, order)
+        rule = self.columns.rule(lines, (w * width[:, None]).ravel(), walls, along_walls, order)
+        return rule, self._touching(lines, width, order)
+
+    def _touching(self, lines: Lines, width: Floats, order: int) -> float:
+        """The square of a bound of the lengths of both leaves over segments in which crossings are taken for one."""
+        tolerance, lost = self.columns.functions.tolerance, 0.0
+        crossing = (lines.below > 0) != (lines.above > 0)
+        for segment in np.flatnonzero(width <= NARROW * np.sqrt(tolerance)):
+            for line in range(segment * order, (segment + 1) * order):
+                own = slice(lines.begin[line], lines.begin[line + 1])
+                if (np.diff(np.sort(lines.root[own][crossing[own]])) <= tolerance).any():
+                    lost += BOTH * float(width[segment])
+                    break
+        return lost**2
 
     def _walls(self, segments: Segments, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:
         """Lines on which a wall stands, and a leaf that is it; at an end of the piece it is positive within."""

@@ -103,14 +103,16 @@ class Columns:
         _, gradient = self.functions.evaluate(np.where(leaf < 0, ~leaf, leaf), edge_points)
         with np.errstate(all="ignore"):
             longer = np.sqrt((gradient**2).sum(axis=0)) / np.abs(along(gradient, self.pieces.axis[own]))
+        # At a node the last pieces, as small as they become, hold boundary without a slope.
+        kept = np.isfinite(longer) | self.pieces.proved[own]
         return CellRule(
             points,
             weights,
             owner,
-            np.concatenate([edge_points, wall_points], axis=1),
-            np.concatenate([edges.weight * longer, wall_weights]),
-            np.concatenate([leaf, wall_leaf]),
-            np.concatenate([self.pieces.owner[own], wall_owner]),
+            np.concatenate([edge_points[:, kept], wall_points], axis=1),
+            np.concatenate([(edges.weight * longer)[kept], wall_weights]),
+            np.concatenate([leaf[kept], wall_leaf]),
+            np.concatenate([self.pieces.owner[own[kept]], wall_owner]),
         )
 
     def _spread(self, lines: Lines, panels: Panels, order: int) -> tuple[Floats, Floats, Ints, Ints]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.logic.leaf_names import leaf_names
 from rsym.model.equation import checked_bounds
 from rsym.model.requirements import optional_package, require_count, require_shape
@@ -128,7 +128,7 @@ class Quadrature:
         Points along each direction.
     unresolved : float
         The measure of what is left of cells, divided as far as it goes, in which the heights of leaves are not proved
-        to be graphs: the rule may be wrong there.
+        to be graphs, and in the plane of squares of where two leaves touch: the rule may be wrong there.
 
     Examples
     --------
@@ -184,7 +184,7 @@ def quadrature(
         Gauss points along each direction: exact to the degree 2 order - 1 in cells without boundary.
     bounds : pairs, optional
         Else the shape's own; both cap the shape, and their sides are parts ``cap x lower`` and so on. A shape without
-        any has its `extent`.
+        any has its `extent`. Own bounds that cut are warned of.
     letters : mapping, optional
         Override the defaults; nothing is compiled for them.
     near : (k, dim), optional
@@ -197,6 +197,11 @@ def quadrature(
     ------
     RsymError
         ``unbounded`` without bounds for a shape that goes on for ever; for a number that is no positive integer.
+
+    Warns
+    -----
+    RsymWarning
+        Where the shape's own bounds cut it, as they may where letters or what is united with it make it larger.
 
     Source: R. I. Saye (2015), High-order quadrature methods for implicitly defined surfaces and volumes, SIAM J. Sci.
     Comput. 37.
@@ -214,12 +219,17 @@ def quadrature(
 
 @dataclass(frozen=True)
 class Prepared:
-    """A shape at letters within bounds, ready for rules; `owner` is the part of each leaf of the functions."""
+    """A shape at letters within bounds, ready for rules.
+
+    `owner` is the part of each leaf of the functions; `sides` are the parts that are bounds nobody asked for: the
+    shape's own.
+    """
 
     functions: Any
     box: Bounds
     parts: tuple[str, ...]
     owner: Ints
+    sides: range = range(0)
 
     def rule(self, cells: int, order: int, near: ArrayLike | None = None, threads: int | None = None) -> Quadrature:
         """The rule with so many cells along the longest side, and so many points along each direction of a cell."""
@@ -230,6 +240,7 @@ class Prepared:
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
         leaves = self.owner[rule.edge_leaf]
+        self.warn_of_cuts(leaves)
         boundary = BoundaryQuadrature(
             rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts
         )
@@ -239,6 +250,15 @@ class Prepared:
         return Quadrature(
             rule.points.T, rule.weights, rule.owner, grid, full, touched, self.parts, boundary, order, unresolved
         )
+
+    def warn_of_cuts(self, leaves: Ints) -> None:
+        """Say which of the shape's own bounds cut it, where the boundary is on these leaves."""
+        cut = [self.parts[leaf].removeprefix("cap ") for leaf in np.unique(leaves) if leaf in self.sides]
+        if cut:
+            warn(
+                f"the shape's own bounds cut it: {', '.join(cut)}; give bounds=shape.bounds if they are meant to, "
+                "else bounds=rsym.extent(shape), or wider ones"
+            )
 
     def grid(self, cells: int) -> CellGrid:
         """Cubical cells, so many along the longest side."""
@@ -296,7 +316,9 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
             code="unbounded",
             remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
         )
-    return Prepared(functions, known, leaf_names(form.plain, shape), form.owner)
+    names = leaf_names(form.plain, shape)
+    own = 2 * shape.dimension if bounds is None and box is not None else 0
+    return Prepared(functions, known, names, form.owner, range(len(names) - own, len(names)))
 
 
 def _points(near: ArrayLike | None, dimension: int) -> Floats:
@@ -327,12 +349,9 @@ def _portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Floa
     rules, unresolved = [tensor_rule(found.lower, found.upper, found.owner, order)], 0.0
     for pieces in found.cut:
         if len(pieces):
-            if functions.dimension == 2:
-                rules.append(plane_rule(functions, pieces, order))
-            else:
-                rule, part = space_rule(functions, pieces, order)
-                rules.append(rule)
-                unresolved += part
+            rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, order)
+            rules.append(rule)
+            unresolved += part
             unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
     rule = rules_together(rules)
     number = np.searchsorted(cells, rule.owner)

@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.errors import warn
 from rsym.sampling.rules.quadrature import Prepared, RulePortion
 
@@ -20,6 +20,7 @@ CELLS = {2: 8, 3: 6}  # along the longest side at first
 ORDERS = 4  # points along each direction from one rule to the next
 HIGHEST = 20  # beyond, cells are halved instead
 MOST_POINTS = {2: 2e6, 3: 3e7}  # some seconds
+FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 ROUNDING = 4 * np.finfo(np.float64).eps
 
 
@@ -61,10 +62,16 @@ class Refined:
     cells: int
     order: int
 
+    def beyond(self, tolerance: float) -> Flags:
+        """Which errors are not within a tolerance, relative to the scales."""
+        return ~(self.errors <= tolerance * self.scales) | np.isinf(self.errors)
+
     @property
     def errors(self) -> Floats:
-        """Of the sums."""
-        return np.abs(self.sums - self.before) + ROUNDING * self.scales
+        """Of the sums; infinite where one is not finite, so that no comparison takes it for small."""
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(self.sums - self.before) + ROUNDING * self.scales
+        return np.where(np.isfinite(apart), apart, np.inf)
 
     def integral(self, number: int) -> Integral:
         """A sum with its error."""
@@ -80,8 +87,14 @@ def refined(
     order: int,
     near: ArrayLike | None = None,
     threads: int | None = None,
+    peaks: bool = False,
 ) -> Refined:
-    """Sums over rules of rising order, then on smaller cells, until two agree; what they leave open is warned of."""
+    """Sums over rules of rising order, then on smaller cells, until two agree; what they leave open is warned of.
+
+    Where what is added may have `peaks` that all points of these cells miss, a rule on other and smaller cells has to
+    agree too.
+    """
+    met: set[int] = set()
 
     def summed() -> tuple[Floats, Floats, int]:
         total, scale, points = np.zeros(1), np.zeros(1), 0
@@ -89,12 +102,14 @@ def refined(
             value, size = quantities(portion)
             total, scale = total + value, scale + size
             points += len(portion.rule.weights)
+            met.update(np.unique(portion.rule.edge_leaf).tolist())
         return total, scale, points
 
     dimension = shape.functions.dimension
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
     count, highest = CELLS[dimension] if cells is None else cells, order
     sums, scales, points = summed()
+    shape.warn_of_cuts(shape.owner[sorted(met)])
     while True:
         before = sums
         if highest + ORDERS > max(HIGHEST, order + ORDERS):
@@ -103,10 +118,21 @@ def refined(
             highest += ORDERS
         sums, scales, points = summed()
         found = Refined(sums, before, scales, count, highest)
-        open_ones = found.errors > least * scales
+        open_ones = found.beyond(least)
         if not open_ones.any():
-            return found
+            finer = FINER[dimension] * count + 1
+            if not peaks or (finer / count) ** dimension * points > MOST_POINTS[dimension]:
+                return found
+            before, count, highest = sums, finer, order
+            sums, scales, points = summed()
+            found = Refined(sums, before, scales, count, highest)
+            open_ones = found.beyond(least)
+            if not open_ones.any():
+                return found
         if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
+            if np.isinf(found.errors).any():
+                warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
+                return found
             worst = float((found.errors / scales)[open_ones].max())
             warn(
                 f"an integral is known to a relative error of about {worst:.0e}: so much do rules of {points:.1e} "

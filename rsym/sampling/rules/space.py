@@ -32,7 +32,7 @@ def space_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> tu
     tall, unresolved = columns.height[1] - columns.height[0], 0.0
     for parts in found.cut:
         if len(parts):
-            rules.append(plane_rule(base, parts, order))
+            rules.append(plane_rule(base, parts, order)[0])
             area = np.prod(parts.upper - parts.lower, axis=0) * tall[parts.owner]
             unresolved += float(area[~parts.proved].sum())
     flat = rules_together(rules)
