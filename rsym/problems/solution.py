@@ -346,6 +346,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
             code="degree",
         )
     discrete = Discretisation(problem, rule, degree)
+    discrete.require_level()
     definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
     found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
     inner = discrete.splines.extension.shape[1]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.conditions import Dirichlet, Robin, UnknownLevel
+from rsym.analysis.conditions import UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
@@ -147,8 +147,6 @@ def problem_of(
     made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
     made = replace(made, poisson=checked_ratio(poisson))
     require_edges(made, single=single)
-    if single and made.order == 1:
-        _require_single(made)
     return made
 
 
@@ -170,22 +168,6 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
     return shape, named
-
-
-def _require_single(problem: Problem) -> None:
-    """Refuse a problem whose solutions differ by constants."""
-    fixed = problem.leaves(Dirichlet)
-    lossy = [
-        leaf
-        for leaf in problem.leaves(Robin)
-        if problem.conditions[leaf].coefficient != 0  # type: ignore[union-attr]
-    ]
-    if not fixed and not lossy and problem.equation.reaction == 0:
-        raise RsymError(
-            "nothing fixes the level of the solution: with it every u + constant is one",
-            code="singular",
-            remedy="give a value on some part, rsym.robin on one, or a term c*u in the equation",
-        )
 
 
 def estimated(solution: Solution) -> float:

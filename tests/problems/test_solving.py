@@ -175,6 +175,22 @@ def test_what_has_no_answer_is_refused_with_a_remedy(text, conditions, code):
     assert raised.value.remedy
 
 
+@pytest.mark.parametrize(
+    ("text", "conditions", "letters", "said"),
+    [
+        ("-laplacian(u) - 5.783185962946784521*u = 1", 0, {}, "nearly singular"),
+        ("-laplacian(u) = 1", rsym.robin(-1, 1), {}, "nearly singular"),
+        ("-laplacian(u) = 1", rsym.robin(lambda x, y: 0 * x, 1), {}, "nothing fixes"),
+        ("-laplacian(u) + c*u = 1", {}, {"c": 0}, "nothing fixes"),
+    ],
+)
+def test_systems_whose_answers_would_be_rounding_are_refused(text, conditions, letters, said):
+    """Eigenvalues of Dirichlet's and of Steklov's problem, and coefficients that are 0 by value."""
+    with pytest.raises(rsym.RsymError, match=said) as raised:
+        rsym.solve(RIM, text, conditions, cells=16, letters=letters)
+    assert raised.value.code == "singular"
+
+
 def test_too_few_cells_and_wrong_degrees_are_refused():
     with pytest.raises(rsym.RsymError, match="too few") as raised:
         rsym.solve(RING, "-laplacian(u) = 1", 0, cells=4)

@@ -20,6 +20,9 @@ DIRECT = {2: 30_000, 3: 6_000}
 # Of the residual, where gradients are conjugated; rounding stops at the condition times 1e-16.
 SMALL = 1e-13
 MOST_STEPS = 5000
+# The share of an answer that a step of refinement may change, and of the right side that may be left: systems of
+# splines have up to 1e-10, singular ones more than 1e-3.
+UNSURE = 1e-6
 SEED = 20130605
 
 
@@ -66,8 +69,25 @@ def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, di
     else:
         factors = factored(scaled)
         found = factors.solve(wanted)
-        found = found + factors.solve(wanted - scaled @ found)
-    return Solved(scale * found, steps, _norm(wanted - scaled @ found) / size)
+        correction = factors.solve(wanted - scaled @ found)
+        # Of rounding alone, it is as large a share as the condition of the matrix makes it.
+        if not _norm(correction) <= UNSURE * _norm(found):
+            raise nearly_singular()
+        found = found + correction
+    residual = _norm(wanted - scaled @ found) / size
+    if not residual <= UNSURE:
+        raise nearly_singular()
+    return Solved(scale * found, steps, residual)
+
+
+def nearly_singular() -> RsymError:
+    """The error for a system whose answer is rounding."""
+    return RsymError(
+        "the system is nearly singular: its answer would be rounding",
+        code="singular",
+        remedy="give a condition that fixes the solution, a value on some part or rsym.robin with a coefficient above "
+        "0; a term c*u with c near minus an eigenvalue, see modes, has no single answer",
+    )
 
 
 def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
