@@ -23,7 +23,7 @@ from rsym.logic.weights import Joins, weight
 from rsym.model.equation import Equation
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
-from rsym.problems.conditions import Name
+from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.places import corners_of
 from rsym.problems.corners.singular import SingularFunctions, singular_functions
 from rsym.problems.equations import EllipticEquation
@@ -100,7 +100,9 @@ class Problem:
     @cached_property
     def lift_expression(self) -> sp.Expr:
         """A function with the values of u on the boundary."""
-        return lift_of(self.shape, self.named)
+        names = assigned(self.shape, self.named)
+        kept = {name for name, one in zip(names, self.conditions, strict=True) if one is not None}
+        return lift_of(self.shape, {name: one for name, one in self.named.items() if name in kept})
 
     def lift(self, order: int) -> PointFormulas | None:
         """Its derivatives; None where it is 0."""

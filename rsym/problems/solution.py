@@ -18,8 +18,9 @@ from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
+from rsym.problems.posing import relettered
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, on_part, with_corners
+from rsym.problems.problem import ON_AXIS, Problem, on_part
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -321,8 +322,7 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
-        problem = replace(self.problem, shape=self.shape.with_letters(values), corners=())
-        problem = with_corners(problem) if self.problem.corners else problem
+        problem = relettered(self.problem, values)
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
 
@@ -335,7 +335,17 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
-    return rule_on(problem.shape, problem.named, cells, order, [one.corner.point for one in problem.corners])
+    rule = rule_on(problem.shape, problem.named, cells, order, [one.corner.point for one in problem.corners])
+    if problem.axis >= 0:
+        across = rule.points[:, 1 - problem.axis]
+        least, most = float(across.min()), float(across.max())
+        if min(-least, most) > ON_AXIS * max(-least, most):
+            raise RsymError(
+                f"the shape is on both sides of the axis, from {least:.4g} to {most:.4g}",
+                code="axis",
+                remedy="give half of the section: shape & rsym.half_plane((1, 0), 0) for axis=y",
+            )
+    return rule
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:

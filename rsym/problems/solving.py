@@ -10,16 +10,15 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.conditions import UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.conditions import given_by_name, resolved
+from rsym.problems.conditions import given_by_name
 from rsym.problems.equations import equation_of
-from rsym.problems.loops import holes
 from rsym.problems.plates import checked_ratio, require_edges
+from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
@@ -142,10 +141,8 @@ def problem_of(
         if shape.dimension != 2:
             raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
         turned = coordinate(axis, shape.coordinates, "the axis")
-    on_leaves = resolved(shape, conditions)
-    unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
-    made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
-    made = replace(made, poisson=checked_ratio(poisson))
+    named_conditions = given_by_name(shape, conditions)
+    made = posed(Problem(shape, found, named_conditions, (), turned, poisson=checked_ratio(poisson)))
     require_edges(made, single=single)
     return made
 

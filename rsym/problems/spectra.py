@@ -16,6 +16,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
+from rsym.problems.posing import relettered
 from rsym.problems.problem import Problem, on_part, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
 from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
@@ -64,9 +65,7 @@ class Spectrum:
     def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         problem, report = self.modes[0].problem, self.modes[0].report
-        other = replace(problem, shape=problem.shape.with_letters(values), corners=())
-        other = with_corners(other) if problem.corners else other
-        return _spectrum(other, report.cells, report.degree, len(self.values), self.mass)
+        return _spectrum(relettered(problem, values), report.cells, report.degree, len(self.values), self.mass)
 
 
 def modes(

@@ -76,7 +76,7 @@ class Torsion:
     def with_letters(self, values: Mapping[Any, float]) -> Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         report, problem = self.solution.report, self.solution.problem
-        other = replace(problem, shape=problem.shape.with_letters(values))
+        other = _problem(problem.shape.with_letters(values))
         other = with_corners(other) if problem.corners else other
         return _torsion(other, report.cells, report.degree)
 

@@ -260,3 +260,17 @@ def test_a_part_that_has_vanished_is_refused():
     with pytest.raises(rsym.RsymError, match="'far' has nothing of the boundary") as raised:
         rsym.solve(square, "-laplacian(u) = 1", {"far": rsym.neumann(1), ...: 0}, cells=8)
     assert raised.value.code == "vanished-part"
+
+
+def test_a_leaf_on_the_axis_takes_no_value():
+    """Of the ball u = 1 - r**2, and sin(pi r)/r is its mode; on the axis neither is 0."""
+    half = RIM & rsym.half_plane((1, 0), 0).named("middle")
+    ball = rsym.solve(half, "-laplacian(u) = 6", 0, axis=y, cells=8)
+    np.testing.assert_allclose(ball([0.0, 0.1], [0.5, 0.0]), [0.75, 0.99], rtol=1e-10)
+    assert abs(rsym.modes(half, 1, axis=y, cells=12).values[0] / math.pi**2 - 1) < 1e-9
+    with pytest.raises(rsym.RsymError, match="middle lies on the axis, where no value"):
+        rsym.solve(half, "-laplacian(u) = 6", {"rim": 0, "middle": 0}, axis=y, cells=8)
+    with pytest.raises(rsym.RsymError, match="goes on elsewhere"):
+        rsym.solve(rsym.rectangle(1, 1, (sp.Rational(1, 2), 0)), "-laplacian(u) = 6", 0, axis=y, cells=8)
+    with pytest.raises(rsym.RsymError, match="both sides of the axis"):
+        rsym.solve(RIM, "-laplacian(u) = 6", 0, axis=y, cells=8)
