@@ -14,7 +14,7 @@ import numpy as np
 import sympy as sp
 from scipy import sparse
 
-from rsym.analysis.conditions import Robin
+from rsym.analysis.conditions import Dirichlet, Robin
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.problems.plates import bending
@@ -160,6 +160,18 @@ class Discretisation:
             )
         found: Floats = problem.coefficients(points)[0]
         return found
+
+    def require_level(self) -> None:
+        """Refuse a problem whose solutions differ by constants, whatever makes its coefficients 0."""
+        problem = self.problem
+        if problem.order != 1 or problem.leaves(Dirichlet) or any(part[2].any() for part in self.flux_parts):
+            return
+        if not problem.coefficients(self.rule.points)[list(problem.equation.expressions).index("c")].any():
+            raise RsymError(
+                "nothing fixes the level of the solution: with it every u + constant is one",
+                code="singular",
+                remedy="give a value on some part, rsym.robin on one, or a term c*u in the equation",
+            )
 
     # -- the system ------------------------------------------------------------------------------------------------
 

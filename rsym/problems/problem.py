@@ -23,7 +23,7 @@ from rsym.logic.weights import weight
 from rsym.model.equation import Equation
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
-from rsym.problems.conditions import Name
+from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.equations import EllipticEquation
@@ -99,7 +99,9 @@ class Problem:
     @cached_property
     def lift_expression(self) -> sp.Expr:
         """A function with the values of u on the boundary."""
-        return lift_of(self.shape, self.named)
+        names = assigned(self.shape, self.named)
+        kept = {name for name, one in zip(names, self.conditions, strict=True) if one is not None}
+        return lift_of(self.shape, {name: one for name, one in self.named.items() if name in kept})
 
     def lift(self, order: int) -> PointFormulas | None:
         """Its derivatives; None where it is 0."""

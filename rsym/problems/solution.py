@@ -18,9 +18,10 @@ from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.corners.choice import CornerChoice
 from rsym.problems.galerkin import Discretisation
-from rsym.problems.places import inside, on_shape, relettered, rule_on
+from rsym.problems.places import inside, on_shape, rule_on
+from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, on_part, with_corners
+from rsym.problems.problem import ON_AXIS, Problem, on_part
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -342,8 +343,7 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
-        problem = replace(self.problem, shape=relettered(self.shape, values), corners=None)
-        problem = problem if self.problem.corners is None else with_corners(problem)
+        problem = posed_again(self.problem, values)
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
 
@@ -357,7 +357,17 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
     near = [] if problem.corners is None else [corner.point for corner in problem.corners.corners]
-    return rule_on(problem.shape, problem.named, cells, order, near)
+    rule = rule_on(problem.shape, problem.named, cells, order, near)
+    if problem.axis >= 0:
+        across = rule.points[:, 1 - problem.axis]
+        least, most = float(across.min()), float(across.max())
+        if min(-least, most) > ON_AXIS * max(-least, most):
+            raise RsymError(
+                f"the shape is on both sides of the axis, from {least:.4g} to {most:.4g}",
+                code="axis",
+                remedy="give half of the section: shape & rsym.half_plane((1, 0), 0) for axis=y",
+            )
+    return rule
 
 
 def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:
@@ -368,6 +378,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
             code="degree",
         )
     discrete = Discretisation(problem, rule, degree)
+    discrete.require_level()
     definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
     found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
     inner = discrete.splines.extension.shape[1]

@@ -10,17 +10,16 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.conditions import Dirichlet, Robin, UnknownLevel
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.conditions import given_by_name, resolved
+from rsym.problems.conditions import given_by_name
 from rsym.problems.equations import equation_of
-from rsym.problems.loops import holes
 from rsym.problems.places import relettered
 from rsym.problems.plates import checked_ratio, require_edges
+from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
@@ -143,13 +142,9 @@ def problem_of(
         if shape.dimension != 2:
             raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
         turned = coordinate(axis, shape.coordinates, "the axis")
-    on_leaves = resolved(shape, conditions)
-    unknown = [leaf for leaf, one in enumerate(on_leaves) if isinstance(one, UnknownLevel)]
-    made = Problem(shape, found, given_by_name(shape, conditions), on_leaves, turned, holes(shape, unknown))
-    made = replace(made, poisson=checked_ratio(poisson))
+    named_conditions = given_by_name(shape, conditions)
+    made = posed(Problem(shape, found, named_conditions, (), turned, poisson=checked_ratio(poisson)))
     require_edges(made, single=single)
-    if single and made.order == 1:
-        _require_single(made)
     return made
 
 
@@ -171,22 +166,6 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
     return shape, named
-
-
-def _require_single(problem: Problem) -> None:
-    """Refuse a problem whose solutions differ by constants."""
-    fixed = problem.leaves(Dirichlet)
-    lossy = [
-        leaf
-        for leaf in problem.leaves(Robin)
-        if problem.conditions[leaf].coefficient != 0  # type: ignore[union-attr]
-    ]
-    if not fixed and not lossy and problem.equation.reaction == 0:
-        raise RsymError(
-            "nothing fixes the level of the solution: with it every u + constant is one",
-            code="singular",
-            remedy="give a value on some part, rsym.robin on one, or a term c*u in the equation",
-        )
 
 
 def estimated(solution: Solution) -> float:

@@ -10,19 +10,19 @@ import numpy as np
 import sympy as sp
 from scipy import sparse
 
-from rsym.analysis.conditions import Clamped, Dirichlet
+from rsym.analysis.conditions import Clamped, Dirichlet, Robin
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
-from rsym.problems.places import relettered
+from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
 from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
-from rsym.problems.systems.linear import eigenpairs
+from rsym.problems.systems.linear import eigenpairs, rank
 from rsym.reports.words import plural
 from rsym.sampling.progress import Progress
 
@@ -65,9 +65,7 @@ class Spectrum:
     def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         problem, report = self.modes[0].problem, self.modes[0].report
-        other = replace(problem, shape=relettered(problem.shape, values), corners=None)
-        other = other if problem.corners is None else with_corners(other)
-        return _spectrum(other, report.cells, report.degree, len(self.values), self.mass)
+        return _spectrum(posed_again(problem, values), report.cells, report.degree, len(self.values), self.mass)
 
 
 def modes(
@@ -123,12 +121,7 @@ def modes(
     given = 0 if conditions is None else conditions
     problem = problem_of(shape, equation, given, letters=letters, axis=axis, poisson=poisson, single=False)
     problem = with_corners(problem) if corners else problem
-    if problem.lift_expression != 0 or not problem.equation.symmetric:
-        raise RsymError(
-            "modes need conditions with values 0, and an equation without first derivatives",
-            code="condition",
-            remedy="solve(shape, equation, conditions) answers what is not homogeneous",
-        )
+    _require_homogeneous(problem)
     if cells is not None:
         return _spectrum(problem, cells, degree, count, mass)
 
@@ -148,11 +141,15 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
     stiffness, masses = discrete.matrix, _masses(discrete, mass)
     if count >= stiffness.shape[0] - 1:
         raise RsymError(f"{count} modes of {stiffness.shape[0]} unknowns", code="cells", remedy="ask for more cells")
+    if isinstance(mass, Mapping) and count > (most := rank(masses)):
+        raise RsymError(
+            f"{count} modes of a mass that moves in {most} ways", code="cells", remedy="ask for more cells, fewer modes"
+        )
     # Where constants, or rigid motions of a plate, are modes the stiffness alone has no factors.
     grid = rule.grid
     free = not problem.leaves(Dirichlet, Clamped)
-    shift = -1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order if free else 0.0
-    values, vectors = eigenpairs(stiffness, masses, count, shift)
+    unit = 1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order
+    values, vectors = eigenpairs(stiffness, masses, count, -unit if free else 0.0, unit)
     inner = discrete.splines.extension.shape[1]
     made = SolutionReport(
         unknowns=stiffness.shape[0],
@@ -187,13 +184,39 @@ def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
     """The matrix of the mass, inside or on parts of the boundary."""
     shape = discrete.problem.shape
     if not isinstance(mass, Mapping):
-        return discrete.mass(mass if callable(mass) or isinstance(mass, Shape) else sp.sympify(mass, strict=True))
+        inside = mass if callable(mass) or isinstance(mass, Shape) else sp.sympify(mass, strict=True)
+        _require_mass(value_at(shape, inside, discrete.rule.points), "the shape")
+        return discrete.mass(inside)
     boundary = discrete.rule.boundary
     total = 0
     for part, density in mass.items():
         on = on_part(discrete.problem, boundary.leaves, part)
         where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
         value = density if callable(density) else sp.sympify(density, strict=True)
-        weights = boundary.weights[on] * discrete.problem.radius(where.points) * value_at(shape, value, where.points)
+        values = value_at(shape, value, where.points)
+        _require_mass(values, repr(part))
+        weights = boundary.weights[on] * discrete.problem.radius(where.points) * values
         total = total + discrete.assembler.matrix(where, at_values(weights, discrete.kinds), discrete.tests)
     return extended(discrete.splines, total)
+
+
+def _require_mass(values: Floats, place: str) -> None:
+    """Refuse a density at points of a place that is below 0 at one, or 0 at all."""
+    if not (np.all(values >= 0) and np.any(values > 0)):
+        raise RsymError(
+            f"the mass on {place} is from {float(values.min()):.4g} to {float(values.max()):.4g}",
+            code="mass",
+            remedy="a mass is 0 or more, and more somewhere; eigenvalues of the negative one are the negative ones",
+        )
+
+
+def _require_homogeneous(problem: Problem) -> None:
+    """Refuse what makes L u = lambda*m*u no problem of eigenvalues."""
+    flowing = any(problem.conditions[leaf].flux != 0 for leaf in problem.leaves(Robin))  # type: ignore[union-attr]
+    if problem.lift_expression != 0 or flowing or problem.equation.load != 0 or not problem.equation.symmetric:
+        raise RsymError(
+            "modes need conditions with values 0 and fluxes 0, and an equation without a right side and first "
+            "derivatives",
+            code="condition",
+            remedy="solve(shape, equation, conditions) answers what is not homogeneous",
+        )

@@ -77,7 +77,7 @@ class Torsion:
     def with_letters(self, values: Mapping[Any, float]) -> Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         report, problem = self.solution.report, self.solution.problem
-        other = replace(problem, shape=relettered(problem.shape, values))
+        other = _problem(relettered(problem.shape, values))
         other = other if problem.corners is None else with_corners(other)
         return _torsion(other, report.cells, report.degree)
 

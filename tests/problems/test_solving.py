@@ -175,6 +175,22 @@ def test_what_has_no_answer_is_refused_with_a_remedy(text, conditions, code):
     assert raised.value.remedy
 
 
+@pytest.mark.parametrize(
+    ("text", "conditions", "letters", "said"),
+    [
+        ("-laplacian(u) - 5.783185962946784521*u = 1", 0, {}, "nearly singular"),
+        ("-laplacian(u) = 1", rsym.robin(-1, 1), {}, "nearly singular"),
+        ("-laplacian(u) = 1", rsym.robin(lambda x, y: 0 * x, 1), {}, "nothing fixes"),
+        ("-laplacian(u) + c*u = 1", {}, {"c": 0}, "nothing fixes"),
+    ],
+)
+def test_systems_whose_answers_would_be_rounding_are_refused(text, conditions, letters, said):
+    """Eigenvalues of Dirichlet's and of Steklov's problem, and coefficients that are 0 by value."""
+    with pytest.raises(rsym.RsymError, match=said) as raised:
+        rsym.solve(RIM, text, conditions, cells=16, letters=letters)
+    assert raised.value.code == "singular"
+
+
 def test_too_few_cells_and_wrong_degrees_are_refused():
     with pytest.raises(rsym.RsymError, match="too few") as raised:
         rsym.solve(RING, "-laplacian(u) = 1", 0, cells=4)
@@ -256,3 +272,17 @@ def test_other_letters_are_solved_beyond_the_bounds_of_the_first():
     ) as told:
         rsym.solve(grown.with_letters({"d": 2}), "-laplacian(u) = 4", 0, cells=8)
     assert told.value.code == "bounds"
+
+
+def test_a_leaf_on_the_axis_takes_no_value():
+    """Of the ball u = 1 - r**2, and sin(pi r)/r is its mode; on the axis neither is 0."""
+    half = RIM & rsym.half_plane((1, 0), 0).named("middle")
+    ball = rsym.solve(half, "-laplacian(u) = 6", 0, axis=y, cells=8)
+    np.testing.assert_allclose(ball([0.0, 0.1], [0.5, 0.0]), [0.75, 0.99], rtol=1e-10)
+    assert abs(rsym.modes(half, 1, axis=y, cells=12).values[0] / math.pi**2 - 1) < 1e-9
+    with pytest.raises(rsym.RsymError, match="middle lies on the axis, where no value"):
+        rsym.solve(half, "-laplacian(u) = 6", {"rim": 0, "middle": 0}, axis=y, cells=8)
+    with pytest.raises(rsym.RsymError, match="goes on elsewhere"):
+        rsym.solve(rsym.rectangle(1, 1, (sp.Rational(1, 2), 0)), "-laplacian(u) = 6", 0, axis=y, cells=8)
+    with pytest.raises(rsym.RsymError, match="both sides of the axis"):
+        rsym.solve(RIM, "-laplacian(u) = 6", 0, axis=y, cells=8)

@@ -5,12 +5,18 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.special import jn_zeros, jnp_zeros
+from scipy.optimize import brentq
+from scipy.special import iv, ivp, jn_zeros, jnp_zeros
 
 import rsym
 from rsym import y
 
 DRUM = jn_zeros(0, 1)[0] ** 2
+
+
+def robin_root(n):
+    """The k of I_n(k*r)*cos(n*angle) with du/dr = 3*u at 1."""
+    return brentq(lambda k: k * ivp(n, k) - 3 * iv(n, k), 1, 6)
 
 
 @pytest.mark.parametrize(("degree", "most"), [(3, (2e-8, 3e-10)), (4, (1e-10, 2e-13)), (5, (1e-12, 5e-15))])
@@ -51,7 +57,32 @@ def test_density_and_tolerance():
     assert heavy.grades[-1].estimate < 1e-9
 
 
+@pytest.mark.parametrize(
+    ("conditions", "equation", "exact"),
+    [
+        # k*I_n'(k) = 3*I_n(k), lambda = -k**2, for n = 0 and, twice, 1.
+        (rsym.robin(-3), "-laplacian(u) = 0", [*(-(robin_root(n) ** 2) for n in (0, 1, 1))]),
+        (0, "-laplacian(u) - 100*u = 0", [DRUM - 100, *[jn_zeros(1, 1)[0] ** 2 - 100] * 2]),
+    ],
+)
+def test_eigenvalues_below_0_are_the_least(conditions, equation, exact):
+    found = rsym.modes(rsym.disc(1), 3, conditions, equation=equation, cells=12).values
+    np.testing.assert_allclose(found, exact, rtol=1e-6)
+
+
+def test_masses_that_are_none_are_refused():
+    for mass in (-1, rsym.x, 0):
+        with pytest.raises(rsym.RsymError, match="the mass on the shape is from"):
+            rsym.modes(rsym.disc(1), 1, mass=mass, cells=8)
+    tank = rsym.rectangle(1, 1) & rsym.half_plane((0, -1), -0.25).named("surface")
+    with pytest.raises(rsym.RsymError, match="a mass that moves in"):
+        rsym.modes(tank, 20, {}, mass={"surface": 1}, cells=4)
+
+
 def test_what_is_not_homogeneous_is_refused():
+    for given in ({"conditions": rsym.neumann(1)}, {"equation": "-laplacian(u) = 7"}):
+        with pytest.raises(rsym.RsymError, match="fluxes 0"):
+            rsym.modes(rsym.disc(1), 1, cells=8, **given)
     with pytest.raises(rsym.RsymError, match="values 0"):
         rsym.modes(rsym.disc(1), 1, 1, cells=8)
     with pytest.raises(rsym.RsymError, match="no part 'rin'"):

@@ -64,3 +64,18 @@ def test_what_is_no_section_of_one_shaft_is_refused():
     half = rsym.disc(1).named("rim") & rsym.half_plane((1, 0), 0)
     with pytest.raises(rsym.RsymError, match="all of a closed curve"):
         rsym.solve(half, "-laplacian(u) = 1", {"rim": rsym.constant(), ...: 0}, cells=16)
+
+
+def test_holes_are_found_again_for_other_letters():
+    """A disc that bounded a hole of its own joins another one: two leaves around one level."""
+    d = sp.Symbol("d", real=True)
+    fifth = sp.Rational(1, 5)
+    apart = rsym.disc(1) - rsym.disc(fifth, (d, 0), letters={d: 0.4}).named("moved") - rsym.disc(fifth, (-0.4, 0))
+    joined = rsym.torsion(apart.with_letters({"d": -0.2}), cells=16)
+    assert len(joined.levels) == 1
+    moved = rsym.torsion(apart, cells=16).with_letters({"d": -0.2})
+    assert abs(float(moved) / float(joined) - 1) < 1e-8
+    levels = {"moved": rsym.constant(), ...: 0}
+    found = rsym.solve(apart, "-laplacian(u) = 2", levels, cells=16)
+    with pytest.raises(rsym.RsymError, match="goes on from it"):
+        found.with_letters({"d": -0.2})

@@ -20,6 +20,12 @@ DIRECT = {2: 30_000, 3: 6_000}
 # Of the residual, where gradients are conjugated; rounding stops at the condition times 1e-16.
 SMALL = 1e-13
 MOST_STEPS = 5000
+# The share of an answer that a step of refinement may change, and of the right side that may be left: systems of
+# splines have up to 1e-10, singular ones more than 1e-3.
+UNSURE = 1e-6
+MOST_SHIFTS = 30
+# Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
+MOST_RANKED, RANK = 1000, 1e-12
 SEED = 20130605
 
 
@@ -66,8 +72,25 @@ def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, di
     else:
         factors = factored(scaled)
         found = factors.solve(wanted)
-        found = found + factors.solve(wanted - scaled @ found)
-    return Solved(scale * found, steps, _norm(wanted - scaled @ found) / size)
+        correction = factors.solve(wanted - scaled @ found)
+        # Of rounding alone, it is as large a share as the condition of the matrix makes it.
+        if not _norm(correction) <= UNSURE * _norm(found):
+            raise nearly_singular()
+        found = found + correction
+    residual = _norm(wanted - scaled @ found) / size
+    if not residual <= UNSURE:
+        raise nearly_singular()
+    return Solved(scale * found, steps, residual)
+
+
+def nearly_singular() -> RsymError:
+    """The error for a system whose answer is rounding."""
+    return RsymError(
+        "the system is nearly singular: its answer would be rounding",
+        code="singular",
+        remedy="give a condition that fixes the solution, a value on some part or rsym.robin with a coefficient above "
+        "0; a term c*u with c near minus an eigenvalue, see modes, has no single answer",
+    )
 
 
 def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
@@ -100,14 +123,48 @@ def _norm(values: Floats) -> float:
 
 
 def eigenpairs(
-    stiffness: sparse.csr_matrix, mass: sparse.csr_matrix, count: int, shift: float = 0.0
+    stiffness: sparse.csr_matrix, mass: sparse.csr_matrix, count: int, shift: float = 0.0, step: float = 1.0
 ) -> tuple[Floats, Floats]:
-    """The eigenvalues nearest to a shift, (count,), ascending, and the vectors (n, count), of K x = lambda M x."""
-    scale = sparse.diags(scales(stiffness - shift * mass))
-    k, m = (scale @ stiffness @ scale).tocsc(), (scale @ mass @ scale).tocsc()
-    factors = factored((k - shift * m).tocsc())
+    """The least eigenvalues (count,), ascending, and the vectors (n, count), of K x = lambda M x, M semidefinite.
+
+    By steps, each four times the one before, the shift goes down until K - shift*M has no pivot below 0: by Sylvester's
+    law none of the eigenvalues lies below it then, and those nearest to it are the least.
+    """
+    for _ in range(MOST_SHIFTS):
+        scale = sparse.diags(scales(stiffness - shift * mass))
+        k, m = (scale @ stiffness @ scale).tocsc(), (scale @ mass @ scale).tocsc()
+        factors = _definite_factors((k - shift * m).tocsc())
+        if factors is not None:
+            break
+        shift, step = shift - step, 4 * step
+    else:
+        raise RsymError(
+            "no number lies below all eigenvalues",
+            code="singular",
+            remedy="a mass on all of the shape bounds them; on parts of the boundary coefficients must not be below 0",
+        )
     operator = linalg.LinearOperator(k.shape, factors.solve, dtype=float)
     start = np.random.default_rng(SEED).standard_normal(k.shape[0])
     values, vectors = linalg.eigsh(k, count, m, sigma=shift, OPinv=operator, v0=start, tol=1e-14)
     order = np.argsort(values)
     return values[order], np.asarray(scale @ vectors[:, order])
+
+
+def _definite_factors(matrix: sparse.csc_matrix) -> linalg.SuperLU | None:
+    """The factors of a symmetric matrix if all of its pivots, those of the diagonal, are above 0."""
+    try:
+        factors = factored(matrix)
+    except RsymError:
+        return None
+    own = np.array_equal(factors.perm_r, factors.perm_c)
+    return factors if own and np.all(factors.U.diagonal() > 0) else None
+
+
+def rank(mass: sparse.csr_matrix) -> int:
+    """How many eigenvalues a mass has that is on few functions; of one on many, how many these are."""
+    on = np.flatnonzero(mass.diagonal() > 0)
+    if len(on) > MOST_RANKED:
+        return len(on)
+    scale = sparse.diags(scales(mass))
+    sizes = np.linalg.eigvalsh((scale @ mass @ scale).tocsr()[on][:, on].toarray())
+    return int(np.count_nonzero(sizes > RANK * sizes[-1])) if len(on) else 0

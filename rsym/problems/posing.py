@@ -1,0 +1,79 @@
+"""Conditions on the leaves of a problem as the letters of its shape have it: what lies on an axis, which holes are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from rsym.analysis.conditions import UnknownLevel
+from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_names
+from rsym.problems.conditions import assigned, resolved
+from rsym.problems.loops import holes
+from rsym.problems.places import relettered
+from rsym.problems.pointwise import compiled
+from rsym.problems.problem import ON_AXIS, VALUED, Problem, with_corners
+
+# Places along an axis, in shares of the size of a shape.
+PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
+
+
+def posed(problem: Problem) -> Problem:
+    """The problem with the conditions of its leaves, of its shape's letters; without functions of corners."""
+    conditions = list(resolved(problem.shape, problem.named))
+    names = assigned(problem.shape, problem.named)
+    for leaf in _on_axis(problem):
+        condition = conditions[leaf]
+        if not isinstance(condition, VALUED):
+            continue
+        called = leaf_names(problem.form, problem.shape)[leaf]
+        if not _flat(problem, leaf):
+            raise RsymError(
+                f"{called} lies on the axis and goes on elsewhere, with one condition",
+                code="axis",
+                remedy="cut the shape at the axis by an rsym.half_plane of its own",
+            )
+        if names[leaf] is not ... and names.count(names[leaf]) == 1:
+            raise RsymError(
+                f"{called} lies on the axis, where no value of u can be held",
+                code="axis",
+                remedy="leave the condition out: nothing flows there",
+            )
+        conditions[leaf] = None
+    unknown = [leaf for leaf, one in enumerate(conditions) if isinstance(one, UnknownLevel)]
+    return replace(problem, conditions=tuple(conditions), levels=holes(problem.shape, unknown), corners=None)
+
+
+def posed_again(problem: Problem, values: Mapping[Any, float]) -> Problem:
+    """The same problem for other letters: which leaves make up holes is found again."""
+    other = posed(replace(problem, shape=relettered(problem.shape, values)))
+    return other if problem.corners is None else with_corners(other)
+
+
+def _leaf_values(problem: Problem, points: np.ndarray) -> np.ndarray:
+    return compiled(problem.shape, problem.form.builder, {f"{k}": one for k, one in enumerate(problem.form.leaves)})(
+        points
+    )
+
+
+def _on_axis(problem: Problem) -> list[int]:
+    """The leaves that vanish all along the axis that a shape is turned about."""
+    if problem.axis < 0:
+        return []
+    points = np.zeros((len(PLACES), 2))
+    points[:, problem.axis] = PLACES
+    with np.errstate(all="ignore"):
+        return np.flatnonzero(np.all(np.abs(_leaf_values(problem, points)) <= ON_AXIS**2, axis=1)).tolist()
+
+
+def _flat(problem: Problem, leaf: int) -> bool:
+    """Whether a leaf depends on the distance from the axis alone, and vanishes nowhere else: it grows all the way."""
+    radii = np.linspace(-2, 2, 9)
+    across = np.zeros((2, len(radii), 2))
+    across[:, :, 1 - problem.axis] = radii
+    across[1, :, problem.axis] = PLACES[1]
+    one, other = _leaf_values(problem, across.reshape(-1, 2))[leaf].reshape(2, -1)
+    return bool(np.array_equal(one, other) and (np.all(np.diff(one) > 0) or np.all(np.diff(one) < 0)))
