@@ -136,6 +136,12 @@ class Problem:
             found += [one(points, leaves[[used.index(leaf) for leaf in one.corner.leaves]]) for one in self.corners]
         return np.ascontiguousarray(np.concatenate(found, axis=1))
 
+    def leaf_jets(self, points: Floats, order: int) -> Floats:
+        """The derivatives (leaves, kinds, n) of all leaves of the form at points."""
+        nodes = {f"leaf {number}": node for number, node in enumerate(self.form.leaves)}
+        found = self._with_derivatives("every leaf", order, lambda: nodes)(points)
+        return found.reshape(len(nodes), -1, len(points))
+
     def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
         """What was compiled is kept."""
         if (name, order) not in self._made:

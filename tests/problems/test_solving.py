@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import rsym
-from rsym import x, y
+from rsym import x, y, z
 
 RIM = rsym.disc(1).named("rim")
 RING = RIM - rsym.disc(sp.Rational(1, 2)).named("bore")
@@ -103,6 +103,29 @@ def test_numbers_of_a_solution():
     assert np.isnan(values[0, 3])
     assert abs(values[1, 1]) < 1e-13
     assert found.gradient(0.5, [0.0, 0.1]).shape == (2, 2)
+
+
+SQUARE = rsym.Shape(rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y), (x, y))
+
+
+@pytest.mark.parametrize(
+    ("shape", "values", "most"),
+    [
+        (RIM, sp.sin(3 * x + 1) + y, 1.9836012893573234),  # the largest of sin(3 cos t + 1) + sin t
+        (SQUARE, x * y, 1.0),
+        pytest.param(
+            rsym.Shape(rsym.conjunction(1 - x**2, 1 - y**2, 1 - z**2), (x, y, z)),
+            x + 2 * y - z,
+            4.0,
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_extremes_on_the_boundary_are_found_between_the_points_of_the_rule(shape, values, most):
+    found = rsym.solve(shape, "laplacian(u) = f", values, cells=6, letters={"f": -load_of(values)})
+    greatest = found.maximum()
+    assert abs(greatest.value - most) < 1e-9
+    assert abs(found(*greatest.point) - greatest.value) < 1e-12
 
 
 def test_without_cells_the_tolerance_is_met():
