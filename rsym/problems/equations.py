@@ -55,6 +55,11 @@ class EllipticEquation:
         return 2 if self.bending == 0 else 4
 
     @property
+    def leading(self) -> sp.Expr:
+        """The coefficient whose sign is that of the highest derivatives."""
+        return self.bending if self.bending != 0 else self.diffusion[0][0]
+
+    @property
     def symmetric(self) -> bool:
         """Whether the form of the equation is."""
         n = len(self.coordinates)
@@ -122,11 +127,11 @@ def equation_of(
             remedy="divide the equation by it",
         )
     # laplacian(u) = f and -laplacian(u) = -f are one equation.
-    leading = made.bending if made.bending != 0 else made.diffusion[0][0]
-    return _negated(made) if leading.is_negative else made
+    return negated(made) if made.leading.is_negative else made
 
 
-def _negated(e: EllipticEquation) -> EllipticEquation:
+def negated(e: EllipticEquation) -> EllipticEquation:
+    """The equation times -1."""
     return replace(
         e,
         diffusion=tuple(tuple(-one for one in row) for row in e.diffusion),

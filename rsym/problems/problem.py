@@ -26,7 +26,7 @@ from rsym.model.wording import listing, proposal
 from rsym.problems.conditions import Name
 from rsym.problems.corners.places import corners_of
 from rsym.problems.corners.singular import SingularFunctions, singular_functions
-from rsym.problems.equations import EllipticEquation
+from rsym.problems.equations import EllipticEquation, negated
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
@@ -182,6 +182,16 @@ def with_corners(problem: Problem) -> Problem:
     place = list(problem.equation.expressions).index("f")
     loaded = (problem.coefficients(points)[place] != 0).tolist()
     return replace(problem, corners=singular_functions(corners, problem.leaves(*VALUED), loaded))
+
+
+def oriented(problem: Problem, points: Floats) -> Problem:
+    """The same problem with the equation times -1 where its leading coefficient is negative at the first of points."""
+    leading = problem.equation.leading
+    if leading.is_positive or not len(points):
+        return problem
+    place = list(problem.equation.expressions.values()).index(leading)
+    negative = problem.coefficients(points[:1])[place, 0] < 0
+    return replace(problem, equation=negated(problem.equation)) if negative else problem
 
 
 def value_at(shape: Shape, value: Any, points: Floats) -> Floats:

@@ -20,7 +20,7 @@ from rsym.problems.extremes import Extremes
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, on_part, with_corners
+from rsym.problems.problem import Problem, on_part, oriented, with_corners
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -88,12 +88,18 @@ class SolutionReport(Report):
         told.append(f"The system was solved by {way}; its residual is {short(self.residual)} of the right side.")
         if self.unresolved:
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
-        error = "not estimated" if self.estimate is None else f"about {short(self.estimate)} of the largest value"
+        if self.estimate is None:
+            error = "No estimate of the error was asked for: cells were given."
+        else:
+            error = (
+                f"The error, an estimate, is about {short(self.estimate)} of the largest value, "
+                "in the root of the mean square."
+            )
         rows = tuple((str(g.cells), str(g.degree), str(g.unknowns), short(g.estimate)) for g in self.grades)
         tables = (Tabular(("cells", "degree", "unknowns", "estimate"), rows),) if rows else ()
         return Document(
             "solution",
-            Sentence(f"The error, an estimate, is {error}.", False),
+            Sentence(error, False),
             sentences=numerical(told),
             tables=tables,
             data={
@@ -328,6 +334,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
             f"an equation of the order {problem.equation.order} needs splines of the degree {problem.order} at least",
             code="degree",
         )
+    problem = oriented(problem, rule.points)
     discrete = Discretisation(problem, rule, degree)
     definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
     found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)

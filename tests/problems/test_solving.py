@@ -179,6 +179,26 @@ def test_any_turn_and_shift_of_the_grid_has_the_same_error():
 
 
 @pytest.mark.parametrize(
+    ("text", "letters", "here"),
+    [
+        ("laplacian(u)*k = -4", {"k": 2}, 0.375),  # u = (1 - x^2 - y^2)/2
+        ("div(k*grad(u)) = -8 - 6*x", {"k": 2 + x}, 0.75),  # u = 1 - x^2 - y^2
+        ("div(k*grad(u)) = -8 - 6*x", {"k": lambda x, y: 2 + x}, 0.75),
+        ("(k - 3)*bilaplacian(u) = -64", {"k": 2}, 0.5625),  # u = (1 - x^2 - y^2)^2
+    ],
+)
+def test_the_sign_of_an_equation_is_that_of_its_values(text, letters, here):
+    condition = rsym.clamped() if "bilaplacian" in text else 0
+    found = rsym.solve(RIM, text, condition, cells=6, letters=letters)
+    assert abs(found(0.5, 0) - here) < 1e-9
+
+
+def test_modes_of_an_equation_with_a_sign_of_its_values():
+    (value,) = rsym.modes(RIM, 1, equation="k*laplacian(u) = 0", cells=8, letters={"k": 2}).values
+    assert abs(value - 11.566371925893) < 1e-5  # twice the square of the first zero of J_0
+
+
+@pytest.mark.parametrize(
     ("text", "conditions", "code"),
     [
         ("-laplacian(u) = 1", {}, "singular"),
