@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
@@ -21,7 +22,7 @@ from rsym.language.stating import WrittenEquation
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_replacements, real_symbol, substitute
 from rsym.model.wording import listing
-from rsym.problems.equation_text import EquationReader
+from rsym.problems.equation_text import ANISOTROPIC, EquationReader
 from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, too_high
 
 Function = Callable[..., Any]
@@ -100,6 +101,12 @@ def equation_of(
             meanings[name] = value.expression
         elif callable(value) and not isinstance(value, sp.Basic):
             functions[name], meanings[name] = value, real_symbol(name)
+        elif isinstance(value, sp.MatrixBase | np.ndarray | list | tuple):
+            raise RsymError(
+                f"{name} must be a number, an expression, a shape or a function, got {value!r}",
+                code="equation",
+                remedy=ANISOTROPIC,
+            )
         else:
             meanings[name] = as_expression(value)
     calculus = TermCalculus(coordinates, frozenset(map(real_symbol, functions)))

@@ -193,6 +193,12 @@ def test_the_sign_of_an_equation_is_that_of_its_values(text, letters, here):
     assert abs(found(0.5, 0) - here) < 1e-9
 
 
+def test_what_diffuses_by_a_matrix():
+    text = "-div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + 3*diff(u, y)]) = 10"
+    found = rsym.solve(RIM, text, 0, cells=6, letters={"k": 0.5})
+    assert abs(found(0.5, 0) - 0.75) < 1e-9  # u = 1 - x^2 - y^2: 2*2 + 2*3, and 0 from k
+
+
 def test_modes_of_an_equation_with_a_sign_of_its_values():
     (value,) = rsym.modes(RIM, 1, equation="k*laplacian(u) = 0", cells=8, letters={"k": 2}).values
     assert abs(value - 11.566371925893) < 1e-5  # twice the square of the first zero of J_0
