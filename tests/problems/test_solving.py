@@ -224,6 +224,12 @@ def test_what_has_no_answer_is_refused_with_a_remedy(text, conditions, code):
     assert raised.value.remedy
 
 
+def test_the_unknown_function_is_no_letter():
+    with pytest.raises(rsym.RsymError, match="unknown function") as raised:
+        rsym.solve(RIM, "-laplacian(u) = 1", 0, cells=6, letters={"u": 1})
+    assert raised.value.remedy == "rename the letter"
+
+
 def test_too_few_cells_and_wrong_degrees_are_refused():
     with pytest.raises(rsym.RsymError, match="too few") as raised:
         rsym.solve(RING, "-laplacian(u) = 1", 0, cells=4)
