@@ -67,7 +67,9 @@ def dirichlet(value: Any) -> Dirichlet:
     Parameters
     ----------
     value : number, expression, Shape or function
-        In coordinates and letters; of a shape it is omega. Formulas are made of expressions and shapes alone.
+        In coordinates and letters; of a shape it is omega. Formulas are made of expressions and shapes alone, and
+        `solve` and `interpolate` make one of the values on the boundary: they refuse a function as a value or slope,
+        as a flux or a coefficient `solve` takes one.
 
     Raises
     ------

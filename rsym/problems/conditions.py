@@ -14,7 +14,7 @@ from rsym.logic.leaf_names import leaf_parts
 from rsym.logic.sign_form import surface_form
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.model.symbols import symbols_of
+from rsym.model.symbols import postorder, symbols_of
 from rsym.model.wording import listing, proposal
 
 Name: TypeAlias = str | EllipsisType  # of a part, ... for the rest
@@ -35,7 +35,8 @@ def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, .
     Raises
     ------
     RsymError
-        For a name that nothing has, a part of which smaller ones named here take all, a value with unknown symbols.
+        For a name that nothing has, a part of which smaller ones named here take all, a value with unknown symbols, a
+        part that has its formula in common with one of which something else is said.
 
     Examples
     --------
@@ -46,7 +47,26 @@ def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, .
     """
     require_shape(shape)
     given = given_by_name(shape, conditions)
-    return tuple(given.get(name) for name in assigned(shape, given))
+    on_leaves = tuple(given.get(name) for name in assigned(shape, given))
+    _require_told_apart(shape, given)
+    return on_leaves
+
+
+def _require_told_apart(shape: Shape, given: Mapping[Name, BoundaryCondition]) -> None:
+    """Refuse a condition on one of two parts of one formula, which are one leaf, where the other has another.
+
+    A formula that stands in one place alone has two names of one thing.
+    """
+    names: dict[sp.Expr, str] = {}
+    for name, expression in shape.parts:
+        other = names.setdefault(expression, name)
+        differ = given.get(name, given.get(...)) != given.get(other, given.get(...))
+        if differ and sum(expression in node.args for node in postorder(shape.expression)) > 1:
+            raise RsymError(
+                f"{other!r} and {name!r} have one formula: what is said of one would hold on the other too",
+                code="ambiguous-part",
+                remedy="give both one name, or say the same of both by ...",
+            )
 
 
 def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:

@@ -17,6 +17,8 @@ from rsym.model.systems import R0
 from rsym.model.wording import listing, proposal
 from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, VectorTerm, too_high
 
+ANISOTROPIC = "what diffuses by a matrix is written -div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + 3*diff(u, y)])"
+
 
 class EquationReader:
     """The tree of an equation to its coefficients: formulas without u by the builder of the language, the rest here."""
@@ -100,14 +102,19 @@ class EquationReader:
         )
 
     def _vector(self, node: Vector, parts: list[ScalarTerm | VectorTerm]) -> VectorTerm:
-        if len(parts) != len(self._d.coordinates) or not all(
-            isinstance(one, ScalarTerm) and one.plain for one in parts
-        ):
+        numbers = [one for one in parts if isinstance(one, ScalarTerm)]
+        if len(numbers) != len(parts) or len(parts) != len(self._d.coordinates):
             raise node.place.refuse(
-                f"a vector has {len(self._d.coordinates)} numbers, without {UNKNOWN}", "equation", "for example [1, 2]"
+                f"a vector has {len(self._d.coordinates)} numbers", "equation", f"for example [1, 2]; {ANISOTROPIC}"
             )
-        zeros = self._d.zeros
-        return VectorTerm(tuple(one.value for one in parts), zeros, (zeros,) * len(zeros), sp.S.Zero)
+        if any(one.fourth or any(map(any, one.second)) for one in numbers):
+            raise too_high()
+        return VectorTerm(
+            tuple(one.value for one in numbers),
+            tuple(one.zero for one in numbers),
+            tuple(one.first for one in numbers),
+            sp.S.Zero,
+        )
 
     def _product(self, node: Product, parts: list[ScalarTerm | VectorTerm]) -> ScalarTerm | VectorTerm:
         factor: sp.Expr = sp.S.One

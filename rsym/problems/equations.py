@@ -12,6 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
@@ -21,7 +22,7 @@ from rsym.language.stating import WrittenEquation
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_replacements, real_symbol, substitute
 from rsym.model.wording import listing
-from rsym.problems.equation_text import EquationReader
+from rsym.problems.equation_text import ANISOTROPIC, EquationReader
 from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, too_high
 
 Function = Callable[..., Any]
@@ -53,6 +54,11 @@ class EllipticEquation:
     def order(self) -> int:
         """4 with a bilaplacian, else 2."""
         return 2 if self.bending == 0 else 4
+
+    @property
+    def leading(self) -> sp.Expr:
+        """The coefficient whose sign is that of the highest derivatives."""
+        return self.bending if self.bending != 0 else self.diffusion[0][0]
 
     @property
     def symmetric(self) -> bool:
@@ -95,6 +101,12 @@ def equation_of(
             meanings[name] = value.expression
         elif callable(value) and not isinstance(value, sp.Basic):
             functions[name], meanings[name] = value, real_symbol(name)
+        elif isinstance(value, sp.MatrixBase | np.ndarray | list | tuple):
+            raise RsymError(
+                f"{name} must be a number, an expression, a shape or a function, got {value!r}",
+                code="equation",
+                remedy=ANISOTROPIC,
+            )
         else:
             meanings[name] = as_expression(value)
     calculus = TermCalculus(coordinates, frozenset(map(real_symbol, functions)))
@@ -122,11 +134,11 @@ def equation_of(
             remedy="divide the equation by it",
         )
     # laplacian(u) = f and -laplacian(u) = -f are one equation.
-    leading = made.bending if made.bending != 0 else made.diffusion[0][0]
-    return _negated(made) if leading.is_negative else made
+    return negated(made) if made.leading.is_negative else made
 
 
-def _negated(e: EllipticEquation) -> EllipticEquation:
+def negated(e: EllipticEquation) -> EllipticEquation:
+    """The equation times -1."""
     return replace(
         e,
         diffusion=tuple(tuple(-one for one in row) for row in e.diffusion),

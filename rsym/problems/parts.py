@@ -179,5 +179,9 @@ def formula(value: Any, shape: Shape, what: str) -> tuple[sp.Expr, Letters]:
             )
         return value.expression, value.letters
     if callable(value) and not isinstance(value, sp.Basic):
-        raise RsymError(f"{what} is a function, of which there is no formula", code="formula", remedy="an expression")
+        raise RsymError(
+            f"{what} is a function, of which there is no formula",
+            code="formula",
+            remedy="write it as an expression, such as sympy.sin(x) + y; functions may be coefficients and fluxes",
+        )
     return number(value, what), Letters({})

@@ -26,7 +26,7 @@ from rsym.model.wording import listing, proposal
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
-from rsym.problems.equations import EllipticEquation
+from rsym.problems.equations import EllipticEquation, negated
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
@@ -134,6 +134,12 @@ class Problem:
             found.append(self.corners.functions.derivatives(points, order))
         return np.ascontiguousarray(np.concatenate(found, axis=1))
 
+    def leaf_jets(self, points: Floats, order: int) -> Floats:
+        """The derivatives (leaves, kinds, n) of all leaves of the form at points."""
+        nodes = {f"leaf {number}": node for number, node in enumerate(self.form.leaves)}
+        found = self._with_derivatives("every leaf", order, lambda: nodes)(points)
+        return found.reshape(len(nodes), -1, len(points))
+
     def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
         """What was compiled is kept."""
         if (name, order) not in self._made:
@@ -176,6 +182,16 @@ def with_corners(problem: Problem) -> Problem:
     valued = problem.leaves(*VALUED)
     natural = [leaf for leaf in range(len(problem.form.leaves)) if leaf not in valued]
     return replace(problem, corners=chosen_corners(problem.shape, natural, loaded, axis=problem.axis))
+
+
+def oriented(problem: Problem, points: Floats) -> Problem:
+    """The same problem with the equation times -1 where its leading coefficient is negative at the first of points."""
+    leading = problem.equation.leading
+    if leading.is_positive or not len(points):
+        return problem
+    place = list(problem.equation.expressions.values()).index(leading)
+    negative = problem.coefficients(points[:1])[place, 0] < 0
+    return replace(problem, equation=negated(problem.equation)) if negative else problem
 
 
 def value_at(shape: Shape, value: Any, points: Floats) -> Floats:

@@ -17,11 +17,12 @@ from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.corners.choice import CornerChoice
+from rsym.problems.extremes import Extremes
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
-from rsym.problems.problem import ON_AXIS, Problem, on_part
+from rsym.problems.problem import ON_AXIS, Problem, on_part, oriented
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -36,7 +37,6 @@ from rsym.sampling.rules.quadrature import Quadrature
 from rsym.sampling.stills import line_picture
 
 AT_ONCE = 1 << 18  # points
-NEWTON_STEPS = 8
 SKETCHED, SKETCH = 6, 72  # level lines in a notebook, on a lattice of so many cells
 # The rule has so many points more than the degree along each direction of a cell.
 MORE_POINTS = 4
@@ -94,12 +94,18 @@ class SolutionReport(Report):
         if self.unresolved:
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
         told += self._of_corners()
-        error = "not estimated" if self.estimate is None else f"about {short(self.estimate)} of the largest value"
+        if self.estimate is None:
+            error = "No estimate of the error was asked for: cells were given."
+        else:
+            error = (
+                f"The error, an estimate, is about {short(self.estimate)} of the largest value, "
+                "in the root of the mean square."
+            )
         rows = tuple((str(g.cells), str(g.degree), str(g.unknowns), short(g.estimate)) for g in self.grades)
         tables = (Tabular(("cells", "degree", "unknowns", "estimate"), rows),) if rows else ()
         return Document(
             "solution",
-            Sentence(f"The error, an estimate, is {error}.", False),
+            Sentence(error, False),
             sentences=numerical(told),
             tables=tables,
             data={
@@ -284,7 +290,10 @@ class Solution:
         return float(turn * np.sum(boundary.weights[on] * problem.radius(points) * along))
 
     def minimum(self) -> Attained:
-        """The least value and a point where it is, found by Newton's method from the least of a few for each cell."""
+        """The least value and a point where it is, found by Newton's method from the least of a few for each cell.
+
+        It is looked for inside, along the leaves of the boundary, and where leaves meet.
+        """
         return self._least(1)
 
     def maximum(self) -> Attained:
@@ -293,28 +302,8 @@ class Solution:
         return Attained(-least.value, least.point)
 
     def _least(self, sign: int) -> Attained:
-        points = np.concatenate((self.rule.points, self.rule.boundary.points))
-        values = sign * self.jets(points, 0)[0]
-        best = int(np.argmin(values))
-        point, value = points[best], float(values[best])
-        dimension = self.problem.dimension
-        place = point[None].copy()
-        for _ in range(NEWTON_STEPS):
-            found = sign * self.jets(place, 2)[:, 0]
-            hessian = np.empty((dimension, dimension))
-            for k, index in enumerate(derivatives(dimension, 2)[1 + dimension :]):
-                i, j = (axis for axis, times in enumerate(index) for _ in range(times))
-                hessian[i, j] = hessian[j, i] = found[1 + dimension + k]
-            if not np.linalg.eigvalsh(hessian)[0] > 0:
-                break
-            step = np.linalg.solve(hessian, found[1 : 1 + dimension])
-            length = float(np.linalg.norm(step / self.splines.size))
-            place = place - step / max(1.0, length)
-            if not self.inside(place)[0]:
-                break
-            here = float(sign * self.jets(place, 0)[0, 0])
-            if here < value:
-                point, value = place[0].copy(), here
+        found = Extremes(self.problem, self.rule, lambda points, order: sign * self.jets(points, order), self.inside)
+        value, point = found.least()
         return Attained(value, tuple(float(one) for one in point))
 
     def formula(self, degree: int = 6) -> sp.Expr:
@@ -377,6 +366,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
             f"an equation of the order {problem.equation.order} needs splines of the degree {problem.order} at least",
             code="degree",
         )
+    problem = oriented(problem, rule.points)
     discrete = Discretisation(problem, rule, degree)
     discrete.require_level()
     definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)

@@ -11,6 +11,7 @@ import numpy as np
 import sympy as sp
 
 from rsym.errors import RsymError
+from rsym.language.equations import UNKNOWN
 from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
@@ -135,6 +136,12 @@ def problem_of(
 ) -> Problem:
     """The data of a problem, checked; `single`: whether it must have one answer."""
     require_shape(shape)
+    if isinstance(equation, str) and UNKNOWN in map(str, letters or {}) and UNKNOWN not in shape.letters:
+        raise RsymError(
+            f"'{UNKNOWN}' is the unknown function of equations: letters= cannot say what it is",
+            code="unknown-letter",
+            remedy="rename the letter",
+        )
     shape, named = lettered(shape, letters)
     found = equation_of(equation, shape.coordinates, named)
     turned = -1

@@ -17,7 +17,7 @@ from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.posing import posed_again
-from rsym.problems.problem import Problem, on_part, value_at, with_corners
+from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
 from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
 from rsym.problems.solving import checked_degree, problem_of
@@ -137,6 +137,7 @@ def modes(
 def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) -> Spectrum:
     order = degree + MORE_POINTS
     rule = rule_for(problem, cells, order)
+    problem = oriented(problem, rule.points)
     discrete = Discretisation(problem, rule, degree)
     stiffness, masses = discrete.matrix, _masses(discrete, mass)
     if count >= stiffness.shape[0] - 1:

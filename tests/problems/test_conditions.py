@@ -55,3 +55,19 @@ def test_a_symbol_that_the_shape_does_not_know_is_refused_and_a_letter_is_none()
     assert resolved(known, {"bore": rsym.robin(c)})[2] == rsym.robin(c)
     with pytest.raises(rsym.RsymError, match="expected a Shape"):
         resolved(3, {})
+
+
+def test_parts_of_one_formula_in_two_places_have_one_condition():
+    left, right = ((x, "low", -2), (-x, "high", 2))
+    halves = [
+        rsym.Shape(side, (x, y)) & rsym.Shape(y, (x, y)).named(name) & rsym.disc(1 + abs(at))
+        for side, name, at in (left, right)
+    ]
+    shape = halves[0] | halves[1]
+    with pytest.raises(rsym.RsymError, match="'low' and 'high' have one formula") as raised:
+        resolved(shape, {"low": A})
+    assert (raised.value.code, bool(raised.value.remedy)) == ("ambiguous-part", True)
+    assert A in resolved(shape, {"low": A, ...: A})
+    # Two names of one place.
+    model = rsym.loads("rim = 1 - x^2 - y^2; edge = rim; omega = rfAND(edge, x)")
+    assert resolved(model, {"edge": A}) == (A, None)

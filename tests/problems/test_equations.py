@@ -42,6 +42,9 @@ MEANINGS = {
     ),
     "-laplacian(u) - x*diff(u, x)/(1 + y^2) = 0": lambda u: -laplacian(u) - x * u.diff(x) / (1 + y**2),
     "-div(grad(u) + [x, y]*u) = 0": lambda u: -laplacian(u) - (x * u).diff(x) - (y * u).diff(y),
+    "-div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + (3*diff(u, y) + x*u)]) = 1": lambda u: (
+        -(2 * u.diff(x) + K * u.diff(y)).diff(x) - (K * u.diff(x) + 3 * u.diff(y) + x * u).diff(y) - 1
+    ),
     "3*bilaplacian(u) - laplacian(u) = x": lambda u: 3 * laplacian(laplacian(u)) - laplacian(u) - x,
     "laplacian(laplacian(u)) = 1": lambda u: laplacian(laplacian(u)) - 1,
 }
@@ -93,6 +96,8 @@ def test_in_space_there_are_three_derivatives():
         ("-diff(u, k) = 1", "equation", "by coordinates"),
         ("(1 + x^2)*bilaplacian(u) = 1", "equation", "depends on x"),
         ("-dot(grad(u), grad(u)) = 1", "equation", "without u"),
+        ("-div([[2, 1], [1, 3]]*grad(u)) = 1", "equation", "a vector has 2 numbers"),
+        ("-div([laplacian(u), 0]) = 1", "equation", "order"),
     ],
 )
 def test_what_is_no_equation_is_refused_with_a_remedy(text, code, words):
@@ -100,6 +105,13 @@ def test_what_is_no_equation_is_refused_with_a_remedy(text, code, words):
         equation_of(text, (x, y), NAMES)
     assert raised.value.code == code
     assert raised.value.remedy
+
+
+@pytest.mark.parametrize("matrix", [sp.Matrix([[2, 0], [0, 1]]), [[2, 0], [0, 1]]])
+def test_a_matrix_as_a_coefficient_is_refused_with_the_way_to_write_it(matrix):
+    with pytest.raises(rsym.RsymError, match="k must be a number") as raised:
+        equation_of("-div(k*grad(u)) = 1", (x, y), {"k": matrix})
+    assert "-div([2*diff(u, x)" in raised.value.remedy
 
 
 def test_several_unknown_functions_are_refused():

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import rsym
-from rsym import x, y
+from rsym import x, y, z
 
 RIM = rsym.disc(1).named("rim")
 RING = RIM - rsym.disc(sp.Rational(1, 2)).named("bore")
@@ -105,6 +105,29 @@ def test_numbers_of_a_solution():
     assert found.gradient(0.5, [0.0, 0.1]).shape == (2, 2)
 
 
+SQUARE = rsym.Shape(rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y), (x, y))
+
+
+@pytest.mark.parametrize(
+    ("shape", "values", "most"),
+    [
+        (RIM, sp.sin(3 * x + 1) + y, 1.9836012893573234),  # the largest of sin(3 cos t + 1) + sin t
+        (SQUARE, x * y, 1.0),
+        pytest.param(
+            rsym.Shape(rsym.conjunction(1 - x**2, 1 - y**2, 1 - z**2), (x, y, z)),
+            x + 2 * y - z,
+            4.0,
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_extremes_on_the_boundary_are_found_between_the_points_of_the_rule(shape, values, most):
+    found = rsym.solve(shape, "laplacian(u) = f", values, cells=6, letters={"f": -load_of(values)})
+    greatest = found.maximum()
+    assert abs(greatest.value - most) < 1e-9
+    assert abs(found(*greatest.point) - greatest.value) < 1e-12
+
+
 def test_without_cells_the_tolerance_is_met():
     found = rsym.solve(RIM, "-laplacian(u) = exp(x)", y, tolerance=1e-6)
     assert found.report.estimate <= 1e-6
@@ -156,6 +179,32 @@ def test_any_turn_and_shift_of_the_grid_has_the_same_error():
 
 
 @pytest.mark.parametrize(
+    ("text", "letters", "here"),
+    [
+        ("laplacian(u)*k = -4", {"k": 2}, 0.375),  # u = (1 - x^2 - y^2)/2
+        ("div(k*grad(u)) = -8 - 6*x", {"k": 2 + x}, 0.75),  # u = 1 - x^2 - y^2
+        ("div(k*grad(u)) = -8 - 6*x", {"k": lambda x, y: 2 + x}, 0.75),
+        ("(k - 3)*bilaplacian(u) = -64", {"k": 2}, 0.5625),  # u = (1 - x^2 - y^2)^2
+    ],
+)
+def test_the_sign_of_an_equation_is_that_of_its_values(text, letters, here):
+    condition = rsym.clamped() if "bilaplacian" in text else 0
+    found = rsym.solve(RIM, text, condition, cells=6, letters=letters)
+    assert abs(found(0.5, 0) - here) < 1e-9
+
+
+def test_what_diffuses_by_a_matrix():
+    text = "-div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + 3*diff(u, y)]) = 10"
+    found = rsym.solve(RIM, text, 0, cells=6, letters={"k": 0.5})
+    assert abs(found(0.5, 0) - 0.75) < 1e-9  # u = 1 - x^2 - y^2: 2*2 + 2*3, and 0 from k
+
+
+def test_modes_of_an_equation_with_a_sign_of_its_values():
+    (value,) = rsym.modes(RIM, 1, equation="k*laplacian(u) = 0", cells=8, letters={"k": 2}).values
+    assert abs(value - 11.566371925893) < 1e-5  # twice the square of the first zero of J_0
+
+
+@pytest.mark.parametrize(
     ("text", "conditions", "code"),
     [
         ("-laplacian(u) = 1", {}, "singular"),
@@ -189,6 +238,12 @@ def test_systems_whose_answers_would_be_rounding_are_refused(text, conditions, l
     with pytest.raises(rsym.RsymError, match=said) as raised:
         rsym.solve(RIM, text, conditions, cells=16, letters=letters)
     assert raised.value.code == "singular"
+
+
+def test_the_unknown_function_is_no_letter():
+    with pytest.raises(rsym.RsymError, match="unknown function") as raised:
+        rsym.solve(RIM, "-laplacian(u) = 1", 0, cells=6, letters={"u": 1})
+    assert raised.value.remedy == "rename the letter"
 
 
 def test_too_few_cells_and_wrong_degrees_are_refused():
