@@ -12,9 +12,12 @@ from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import shape_form
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
-from rsym.sampling.plane_leaves import leaves_of
+from rsym.sampling.extent import extent
+from rsym.sampling.plane_leaves import PlaneLeaves, leaves_of
 
 RESOLUTION = 256
+# Newton's method begins at so many places along each side; what it finds is so near, by the size of the shape.
+SEEDS, ON_LEAF = 17, 1e-9
 
 
 class BoundaryLoop(NamedTuple):
@@ -26,6 +29,11 @@ class BoundaryLoop(NamedTuple):
 
 def loops_of(shape: Shape) -> tuple[BoundaryLoop, ...]:
     """The curves of the boundary, as a lattice shows them.
+
+    Raises
+    ------
+    RsymError
+        For a curve that is too small for the lattice.
 
     Examples
     --------
@@ -41,7 +49,29 @@ def loops_of(shape: Shape) -> tuple[BoundaryLoop, ...]:
         u, v = np.diff(line, axis=0).T
         turned = float(np.sum(line[:-1, 0] * v - line[:-1, 1] * u))
         found.append(BoundaryLoop(tuple(np.unique(active).tolist()), turned < 0))
+    _require_all(shape, leaves, {leaf for loop in found for leaf in loop.leaves})
     return tuple(sorted(found, key=lambda loop: (loop.hole, loop.leaves)))
+
+
+def _require_all(shape: Shape, leaves: PlaneLeaves, seen: Collection[int]) -> None:
+    """Refuse leaves that no curve has, where Newton's method from places all over finds them on the boundary."""
+    unseen = [leaf for leaf in range(leaves.count) if leaf not in seen]
+    if not unseen:
+        return
+    box = np.array(shape.bounds if shape.bounds is not None else extent(shape))
+    u, v = (np.linspace(*side, SEEDS) for side in box)
+    places = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    near = ON_LEAF * float(np.ptp(box, axis=1).max())
+    for leaf in unseen:
+        points = leaves.slide(places, np.full(len(places), leaf))
+        points = points[np.all((box[:, 0] <= points) & (points <= box[:, 1]), axis=1)]
+        distance, active = leaves.distance(points)
+        if np.any((distance <= near) & (active == leaf)):
+            raise RsymError(
+                f"{leaf_names(shape_form(shape), shape)[leaf]} bounds something too small to tell whether it is a hole",
+                code="hole",
+                remedy=f"leave it out, or make it larger than the shape over {RESOLUTION}",
+            )
 
 
 def holes(shape: Shape, unknown: Collection[int]) -> tuple[tuple[int, ...], ...]:

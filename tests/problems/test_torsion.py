@@ -79,3 +79,13 @@ def test_holes_are_found_again_for_other_letters():
     found = rsym.solve(apart, "-laplacian(u) = 2", levels, cells=16)
     with pytest.raises(rsym.RsymError, match="goes on from it"):
         found.with_letters({"d": -0.2})
+
+
+def test_holes_too_small_to_be_seen_are_refused():
+    """A disc inside what it is joined to bounds nothing, and is none."""
+    drilled = rsym.disc(1).named("rim") - rsym.disc(sp.Rational(3, 1000), (0.31, 0.22)).named("bore")
+    with pytest.raises(rsym.RsymError, match="bore bounds something too small"):
+        rsym.torsion(drilled, cells=16)
+    with pytest.raises(rsym.RsymError, match="bore bounds something too small"):
+        rsym.solve(drilled, "-laplacian(u) = 1", {"rim": 0, "bore": rsym.constant()}, cells=16)
+    assert len(loops_of(rsym.disc(1) | rsym.disc(sp.Rational(1, 5)))) == 1
