@@ -69,7 +69,7 @@ class Extremes:
         near = np.argsort(away, axis=0, kind="stable")[:2]
         far = np.take_along_axis(away, near, axis=0) > BESIDE * float(np.linalg.norm(self.rule.grid.size))
         near = np.where(far, -1, near)
-        sets = [(own,)]
+        sets: list[tuple[Ints, ...]] = [(own,)]
         if len(near):
             sets.append((own, near[0]))
         if self.problem.dimension == 3 and len(near) > 1:
@@ -93,7 +93,7 @@ class Extremes:
             slopes = np.moveaxis(walls[..., 1 : 1 + n], 0, 1)  # (n, k, dimension)
             bordered = np.zeros((len(points), n + k, n + k))
             right = np.zeros((len(points), n + k))
-            bad = ~(np.isfinite(field).all(axis=0) & np.isfinite(walls).all(axis=(0, 2)))
+            bad = np.asarray(~(np.isfinite(field).all(axis=0) & np.isfinite(walls).all(axis=(0, 2))))
             with np.errstate(all="ignore"):
                 gradient, hessian = field[1 : 1 + n].T, np.moveaxis(field[places], 2, 0)
                 if k:

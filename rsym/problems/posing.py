@@ -12,10 +12,11 @@ from rsym.analysis.conditions import UnknownLevel
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.problems.conditions import assigned, resolved
+from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.loops import holes
 from rsym.problems.places import relettered
 from rsym.problems.pointwise import compiled
-from rsym.problems.problem import ON_AXIS, VALUED, Problem, with_corners
+from rsym.problems.problem import VALUED, Problem, with_corners
 
 # Places along an axis, in shares of the size of a shape.
 PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])

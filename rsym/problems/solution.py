@@ -16,13 +16,13 @@ from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
-from rsym.problems.corners.choice import CornerChoice
+from rsym.problems.corners.choice import ON_AXIS, CornerChoice
 from rsym.problems.extremes import Extremes
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
-from rsym.problems.problem import ON_AXIS, Problem, on_part, oriented
+from rsym.problems.problem import Problem, on_part, oriented
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
