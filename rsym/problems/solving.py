@@ -22,9 +22,12 @@ from rsym.problems.places import relettered
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, with_corners
-from rsym.problems.refinement import HIGHEST_DEGREE, refined
+from rsym.problems.refinement import FIRST_CELLS, HIGHEST_DEGREE, TOLERANCE, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
 from rsym.sampling.progress import Progress
+from rsym.sampling.rules.refinement import FINER
+
+SEEN = 1e-3  # of sums of coefficients on two rules: larger differences are peaks that one of them misses
 
 
 def solve(
@@ -109,8 +112,11 @@ def solve(
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
         made = solved(problem, rule_for(problem, cells, degree + MORE_POINTS), cells, degree)
-        return made, made.report.unknowns, estimated(made)
+        error = estimated(made)
+        # What all points of a rule miss is in no difference of degrees.
+        return made, made.report.unknowns, error if error > wanted else max(error, unseen(made))
 
+    wanted = TOLERANCE if tolerance is None else tolerance
     found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)
     return with_rule(replace(found, report=told), found.rule)
@@ -173,6 +179,20 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
     return shape, named
+
+
+def unseen(solution: Solution) -> float:
+    """How much more than a thousandth the squares of the coefficients sum up to on smaller cells, as a share; or 0."""
+    problem, rule, dimension = solution.problem, solution.rule, solution.problem.dimension
+    if not any(sp.sympify(one).free_symbols for one in problem.equation.expressions.values()):
+        return 0.0
+    cells = FINER[dimension] * FIRST_CELLS + 1
+    finer = rule_for(problem, max(cells, 2 * solution.report.cells + 1), rule.order)
+    here, there = (one.weights @ np.transpose(problem.coefficients(one.points)) ** 2 for one in (rule, finer))
+    largest = np.maximum(here, there)
+    apart = np.abs(here - there)[largest > 0] / largest[largest > 0]
+    worst = float(apart.max(initial=0.0))
+    return worst if worst > SEEN else 0.0
 
 
 def estimated(solution: Solution) -> float:

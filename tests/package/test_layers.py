@@ -65,12 +65,12 @@ OPTIONAL = {
     "rsym.backends.llvm_code": "llvmlite may be missing",
     "rsym.backends.tape": "llvmlite may be missing",
     "rsym.sampling.plane_regions": "numba may be missing",
+    "rsym.sampling.rules.leaf_functions": "numba may be missing",
     "rsym.sampling.regions.own_leaves": "numba may be missing",
     "rsym.sampling.regions.region_signs": "numba may be missing",
     "rsym.sampling.kernels.mesher_kernels": "llvmlite may be missing",
     "rsym.sampling.kernels.ray_kernels": "llvmlite may be missing",
     "rsym.sampling.mesher": "numba may be missing",
-    "rsym.sampling.rules.leaf_functions": "numba may be missing",
     "rsym.sampling.triangles": "numba may be missing",
     "rsym.output.explorer": "ipywidgets may be missing",
 }

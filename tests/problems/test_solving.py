@@ -9,6 +9,7 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
+from rsym.problems.solving import unseen
 
 RIM = rsym.disc(1).named("rim")
 RING = RIM - rsym.disc(sp.Rational(1, 2)).named("bore")
@@ -341,3 +342,23 @@ def test_a_leaf_on_the_axis_takes_no_value():
         rsym.solve(rsym.rectangle(1, 1, (sp.Rational(1, 2), 0)), "-laplacian(u) = 6", 0, axis=y, cells=8)
     with pytest.raises(rsym.RsymError, match="both sides of the axis"):
         rsym.solve(RIM, "-laplacian(u) = 6", 0, axis=y, cells=8)
+
+
+def peak(u, v):
+    return np.exp(-((u - 0.031) ** 2 + (v - 0.042) ** 2) / 0.005**2) / (np.pi * 0.005**2)
+
+
+@pytest.mark.parametrize(("load", "there"), [(peak, True), (sp.exp(x) * y, False), (sp.Abs(x - y), False)])
+def test_a_load_between_the_points_of_a_rule_is_seen(load, there):
+    found = rsym.solve(RIM, "-laplacian(u) = 4 + f", 0, letters={"f": load}, cells=8)
+    assert (unseen(found) > 0.1) == there
+    assert there or unseen(found) == 0
+
+
+@pytest.mark.slow
+def test_a_load_between_the_points_of_the_first_rule_is_found():
+    u = rsym.solve(RIM, "-laplacian(u) = 4 + f", 0, letters={"f": peak}, tolerance=0.02)
+    # Outside of the peak it is a source in one point, mirrored at the rim.
+    away = math.log(math.hypot(0.5 - 0.031, 0.042) / math.hypot(1 - 0.5 * 0.031, 0.5 * 0.042))
+    assert u.report.grades[0].estimate > 0.1
+    assert abs(u(0.5, 0) - (0.75 - away / (2 * math.pi))) < 0.02
