@@ -59,7 +59,7 @@ def _require_all(shape: Shape, leaves: PlaneLeaves, seen: Collection[int]) -> No
     if not unseen:
         return
     box = np.array(shape.bounds if shape.bounds is not None else extent(shape))
-    u, v = (np.linspace(*side, SEEDS) for side in box)
+    u, v = (np.linspace(low, high, SEEDS) for low, high in box)
     places = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     near = ON_LEAF * float(np.ptp(box, axis=1).max())
     for leaf in unseen:
