@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from rsym.analysis.conditions import UnknownLevel
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.problems.conditions import assigned, resolved
@@ -54,10 +55,10 @@ def posed_again(problem: Problem, values: Mapping[Any, float]) -> Problem:
     return other if problem.corners is None else with_corners(other)
 
 
-def _leaf_values(problem: Problem, points: np.ndarray) -> np.ndarray:
-    return compiled(problem.shape, problem.form.builder, {f"{k}": one for k, one in enumerate(problem.form.leaves)})(
-        points
-    )
+def _leaf_values(problem: Problem, points: Floats) -> Floats:
+    """The values (leaves, n) of the leaves."""
+    leaves = {f"leaf {k}": node for k, node in enumerate(problem.form.leaves)}
+    return compiled(problem.shape, problem.form.builder, leaves)(points)
 
 
 def _on_axis(problem: Problem) -> list[int]:
@@ -67,7 +68,8 @@ def _on_axis(problem: Problem) -> list[int]:
     points = np.zeros((len(PLACES), 2))
     points[:, problem.axis] = PLACES
     with np.errstate(all="ignore"):
-        return np.flatnonzero(np.all(np.abs(_leaf_values(problem, points)) <= ON_AXIS**2, axis=1)).tolist()
+        there = np.all(np.abs(_leaf_values(problem, points)) <= ON_AXIS**2, axis=1)
+    return [int(leaf) for leaf in np.flatnonzero(there)]
 
 
 def _flat(problem: Problem, leaf: int) -> bool:

@@ -13,6 +13,7 @@ from scipy import sparse
 from rsym.analysis.conditions import Clamped, Dirichlet, Robin
 from rsym.arrays import Floats
 from rsym.errors import RsymError
+from rsym.language.stating import WrittenEquation
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
@@ -98,15 +99,16 @@ def modes(
         m; of a mapping of names of parts that on these parts of the boundary, none inside: sloshing has
         ``{"surface": 1}``.
     equation : text or SymPy
-        Its operator is L; ``"bilaplacian(u) = 0"`` for plates, with
-        conditions.
+        Its operator is L, its right side 0 (that of a model file is not looked at); ``"bilaplacian(u) = 0"`` for
+        plates, with conditions.
     degree, cells, tolerance, letters, axis, poisson, corners, progress
         As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
 
     Raises
     ------
     RsymError
-        As `solve`, and for conditions that are not homogeneous, more modes than unknowns.
+        As `solve`, and for conditions or an equation that are not homogeneous, a mass below 0, more modes than there
+        are unknowns.
 
     Examples
     --------
@@ -120,8 +122,11 @@ def modes(
     checked_degree(degree)
     given = 0 if conditions is None else conditions
     problem = problem_of(shape, equation, given, letters=letters, axis=axis, poisson=poisson, single=False)
-    problem = with_corners(problem) if corners else problem
+    if isinstance(equation, WrittenEquation):
+        # A model file states one equation for solve and for this.
+        problem = replace(problem, equation=replace(problem.equation, load=sp.S.Zero))
     _require_homogeneous(problem)
+    problem = with_corners(problem) if corners else problem
     if cells is not None:
         return _spectrum(problem, cells, degree, count, mass)
 
