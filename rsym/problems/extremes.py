@@ -90,15 +90,15 @@ class Extremes:
         for _ in range(STEPS if len(points) else 0):
             field = self.jets(points, 2)
             walls = self.problem.leaf_jets(points, 2)[leaves.T, :, at] if k else np.empty((0, len(points), len(every)))
-            slopes = np.moveaxis(walls[..., 1 : 1 + n], 0, 1)  # (n, k, dimension)
+            slopes = np.moveaxis(walls[..., 1 : 1 + n], 0, 1).copy()  # (n, k, dimension)
             bordered = np.zeros((len(points), n + k, n + k))
             right = np.zeros((len(points), n + k))
-            bad = np.asarray(~(np.isfinite(field).all(axis=0) & np.isfinite(walls).all(axis=(0, 2))))
+            bad: Flags = np.asarray(~(np.isfinite(field).all(axis=0) & np.isfinite(walls).all(axis=(0, 2))))
             with np.errstate(all="ignore"):
-                gradient, hessian = field[1 : 1 + n].T, np.moveaxis(field[places], 2, 0)
+                gradient, hessian = field[1 : 1 + n].T.copy(), np.moveaxis(field[places], 2, 0)
                 if k:
-                    slopes = np.where(bad[:, None, None], 0, slopes)
-                    multipliers = np.einsum("nik,ni->nk", np.linalg.pinv(slopes), np.where(bad[:, None], 0, gradient))
+                    slopes[bad], gradient[bad] = 0, 0
+                    multipliers: Floats = np.einsum("nik,ni->nk", np.linalg.pinv(slopes), gradient)
                     hessian = hessian - np.einsum("nk,knij->nij", multipliers, walls[..., places])
                 bordered[:, :n, :n] = hessian
                 bordered[:, n:, :n], bordered[:, :n, n:] = slopes, np.moveaxis(slopes, 1, 2)
