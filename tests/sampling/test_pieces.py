@@ -199,6 +199,7 @@ def test_a_forked_process_has_threads_of_its_own(cut_cube):
     cut_cube(MeshRequest(40))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # from Python 3.12 on, where there are threads
+        warnings.simplefilter("ignore", RuntimeWarning)  # of JAX, where a test before has loaded it
         child = os.fork()
     if not child:
         try:
