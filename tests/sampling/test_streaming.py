@@ -83,7 +83,7 @@ def test_flaws_in_pieces_are_mended(crumbled, uncut, tmp_path, small, monkeypatc
     kept = []
     plain = mending.mend
     monkeypatch.setattr(streaming, "mend", lambda *given: kept.append(plain(*given)) or kept[0])
-    made = rsym.mesh(crumbled, CRUMBS, into=tmp_path / "body.ply", memory=2e6)
+    made = rsym.mesh(crumbled, CRUMBS, into=tmp_path / "body.ply", memory=1e6)
     (changes,) = kept
     assert min(len(changes.moved), len(changes.gone), (changes.corners[:, 0] >= 0).sum()) > 10
     assert (changes.corners[:, 0] < 0).any()
