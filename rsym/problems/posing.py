@@ -26,8 +26,9 @@ PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
 def posed(problem: Problem) -> Problem:
     """The problem with the conditions of its leaves, of its shape's letters; without functions of corners."""
     conditions = list(resolved(problem.shape, problem.named))
-    names = assigned(problem.shape, problem.named)
-    for leaf in _on_axis(problem):
+    on_axis = _on_axis(problem)
+    names = assigned(problem.shape, problem.named) if on_axis else ()
+    for leaf in on_axis:
         condition = conditions[leaf]
         if not isinstance(condition, VALUED):
             continue

@@ -27,7 +27,7 @@ from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
 from rsym.problems.splines.web import WebSplines
-from rsym.problems.systems.linear import solve_system
+from rsym.problems.systems.linear import Solved, solve_system
 from rsym.reports.document import Document, Sentence, Tabular, numerical
 from rsym.reports.numbers import short
 from rsym.reports.render import Report
@@ -337,6 +337,21 @@ class Solution:
         return solved(problem, rule, self.report.cells, self.report.degree)
 
 
+def reported(rule: Quadrature, cells: int, degree: int, found: Solved) -> SolutionReport:
+    """How the answers of a system were found, nothing estimated yet."""
+    return SolutionReport(
+        unknowns=len(found.values),
+        degree=degree,
+        cells=cells,
+        points=len(rule.weights),
+        steps=found.steps,
+        residual=found.residual,
+        estimate=None,
+        grades=(),
+        unresolved=rule.unresolved,
+    )
+
+
 def with_rule(solution: Solution, rule: Quadrature) -> Solution:
     """The same solution, that knows its rule already."""
     solution.__dict__["rule"] = rule
@@ -372,17 +387,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
     definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
     found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
     inner = discrete.splines.extension.shape[1]
-    told = SolutionReport(
-        unknowns=len(found.values),
-        degree=degree,
-        cells=cells,
-        points=len(rule.weights),
-        steps=found.steps,
-        residual=found.residual,
-        estimate=None,
-        grades=(),
-        unresolved=getattr(rule, "unresolved", 0.0),
-    ).of_corners(problem.corners)
+    told = reported(rule, cells, degree, found).of_corners(problem.corners)
     coefficients = discrete.splines.extension @ found.values[:inner]
     made = Solution(problem, discrete.splines, coefficients, found.values[inner:], told, degree + MORE_POINTS)
     return with_rule(made, rule)

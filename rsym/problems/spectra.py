@@ -20,10 +20,10 @@ from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
-from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, rule_for, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, reported, rule_for, with_rule
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
-from rsym.problems.systems.linear import eigenpairs, rank
+from rsym.problems.systems.linear import Solved, eigenpairs, rank
 from rsym.reports.words import plural
 from rsym.sampling.progress import Progress
 
@@ -157,17 +157,7 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
     unit = 1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order
     values, vectors = eigenpairs(stiffness, masses, count, -unit if free else 0.0, unit)
     inner = discrete.splines.extension.shape[1]
-    made = SolutionReport(
-        unknowns=stiffness.shape[0],
-        degree=degree,
-        cells=cells,
-        points=len(rule.weights),
-        steps=0,
-        residual=0.0,
-        estimate=None,
-        grades=(),
-        unresolved=getattr(rule, "unresolved", 0.0),
-    ).of_corners(problem.corners)
+    made = reported(rule, cells, degree, Solved(vectors[:, 0], 0, 0.0)).of_corners(problem.corners)
     found = []
     for value, vector in zip(values, vectors.T, strict=True):
         size = np.sqrt(abs(vector @ (masses @ vector)))

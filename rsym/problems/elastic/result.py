@@ -16,7 +16,7 @@ from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import STRAIN, ElasticBody
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
 from rsym.problems.places import on_shape, relettered, rule_on
-from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, SolutionReport, reported, with_rule
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.linear import solve_system
 from rsym.reports.words import plural
@@ -184,17 +184,7 @@ def in_equilibrium(body: ElasticBody, rule: Quadrature, cells: int, degree: int)
     system = Equilibrium(body, rule, degree)
     system.require_held()
     found = solve_system(system.matrix, system.right, definite=True, dimension=2)
-    told = SolutionReport(
-        unknowns=len(found.values),
-        degree=degree,
-        cells=cells,
-        points=len(rule.weights),
-        steps=found.steps,
-        residual=found.residual,
-        estimate=None,
-        grades=(),
-        unresolved=rule.unresolved,
-    )
+    told = reported(rule, cells, degree, found)
     splines = system.discrete[0].splines
     coefficients = np.ascontiguousarray((splines.extension @ found.values.reshape(2, -1).T).T)
     made = ElasticSolution(body, splines, coefficients, told, degree + MORE_POINTS)

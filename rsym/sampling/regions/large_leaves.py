@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import pairwise
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from rsym.sampling.kernels.form_code import AXES, leaf_outputs
 from rsym.sampling.regions.kept_regions import KeptRegions, Narrow
 from rsym.sampling.regions.leaf_tapes import SCALE, LeafTapes, check_tape, kind_tape, leaf_numbers
 from rsym.sampling.regions.point_groups import by_number
-from rsym.sampling.regions.region_calls import ENTRIES, call, tapes_of
+from rsym.sampling.regions.region_calls import call, portions, tapes_of
 from rsym.sampling.regions.region_tapes import STEP, FormTapes
 from rsym.sampling.regions.regions import Regions
 
@@ -104,8 +103,7 @@ class LargeLeaves:
         given = points.take(padded_places, axis=1)
         found, sorted_ones = np.empty((OUTPUTS, given.shape[1])), regions[which]
         sizes = len(given), OUTPUTS, given.shape[1]
-        portion = sorted_ones.start[1:] // ENTRIES
-        for a, b in pairwise([0, *(np.flatnonzero(np.diff(portion)) + 1), len(which)]):
+        for a, b in portions(np.diff(sorted_ones.start)):
             some = sorted_ones[a:b]
             codes = self._forms.codes(some, self._numbers)
             last = self._forms.coordinates + OUTPUTS * (np.diff(some.start) - 1)

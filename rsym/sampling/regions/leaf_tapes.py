@@ -156,14 +156,17 @@ class LeafNumbers(dict[str, tuple[Floats, Ints]]):
     @cached_property
     def undefined(self) -> Flags:
         """Which leaves have a number that is not defined: their bounds do not know."""
-        given = self._tapes.letters.at(self._letters, self._scales)
-        return np.array([any(number != number for number in own) for own in given])
+        return np.array([any(number != number for number in own) for own in self._at_points])
+
+    @cached_property
+    def _at_points(self) -> Sequence[Sequence[float]]:
+        return self._tapes.letters.at(self._letters, self._scales)
 
     def __missing__(self, name: str) -> tuple[Floats, Ints]:
         """Those of one tape."""
         own = self._tapes.letters
         if name in ("value", "gradient"):
-            given = own.at(self._letters, self._scales)
+            given = self._at_points
         elif name == "enclosure":
             given = own.ends(self._letters)
         else:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Ints
 from rsym.backends.llvm_code import machine_code
 from rsym.backends.tape import aligned
 from rsym.sampling.kernels.routines import LANES
@@ -54,6 +55,18 @@ def call(name: str, *arguments: Any) -> None:
 def tapes_of(codes: Codes, room: NDArray[np.uint8]) -> Sequence[NDArray[Any]]:
     """Tapes as routines take them."""
     return codes.rows, codes.uniform, codes.row, codes.number, codes.count, codes.above, codes.result, room
+
+
+def portions(sizes: Ints) -> list[tuple[int, int]]:
+    """First and last of regions whose tapes are written at once, by how many entries they have.
+
+    Examples
+    --------
+    >>> portions(np.array([ENTRIES // 2, ENTRIES // 4, ENTRIES // 2, 5]))
+    [(0, 2), (2, 4)]
+    """
+    cuts = np.flatnonzero(np.diff(np.cumsum(sizes) // ENTRIES)) + 1
+    return [(a, b) for a, b in pairwise([0, *cuts.tolist(), len(sizes)]) if b > a]
 
 
 def bounds_of(regions: Regions, codes: Codes, ends: Floats) -> Floats:

@@ -9,7 +9,6 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -27,7 +26,7 @@ from rsym.sampling.regions.kept_regions import KeptRegions
 from rsym.sampling.regions.large_leaves import LargeLeafTapes, LargeLeaves, without_leaves
 from rsym.sampling.regions.leaf_tapes import LeafNumbers, LeafTapes, check_tape
 from rsym.sampling.regions.point_groups import by_number
-from rsym.sampling.regions.region_calls import ENTRIES, bounds_of, call, tapes_of
+from rsym.sampling.regions.region_calls import bounds_of, call, portions, tapes_of
 from rsym.sampling.regions.region_tapes import VECTOR, Codes, FormTapes, LeafCodes, leaf_codes
 from rsym.sampling.regions.regions import (
     DEFINED_SIGN,
@@ -204,9 +203,7 @@ class RegionKernels:
             size = np.full(last - first, len(self._whole.entries))
         else:
             size = np.diff(among.start)[parents[first:last]]
-        portion = np.cumsum(size) // ENTRIES
-        cuts = [0, *(np.flatnonzero(np.diff(portion)) + 1), last - first]
-        return [(first + a, first + b) for a, b in pairwise(cuts) if b > a]
+        return [(first + a, first + b) for a, b in portions(size)]
 
     def _reduced(
         self,
