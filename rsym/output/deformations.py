@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.requirements import require_kind
-from rsym.output.looks import Look, robust_levels
+from rsym.output.looks import Look, levels_of_sizes
 from rsym.output.panels import colour_bar
 from rsym.output.pictures import require_axes
 from rsym.problems.elastic.result import ElasticSolution
@@ -24,7 +24,6 @@ from rsym.sampling.plane import plane_sampler
 from rsym.sampling.plane_leaves import leaves_of
 
 SHOWN = 0.1  # of the size of the body: how far its greatest displacement is drawn
-SHARE = 0.995  # of the samples inside: the colours end there
 COLOUR_MAP = "viridis"
 
 
@@ -34,6 +33,7 @@ def plot_deformation(
     ax: Axes | None = None,
     scale: float | None = None,
     levels: Sequence[float] | None = None,
+    limits: tuple[float, float] | None = None,
     title: str | None = None,
     resolution: int | Sequence[int] = 400,
     bounds: Any = None,
@@ -52,6 +52,8 @@ def plot_deformation(
     levels : sequence of float, optional
         Of the stress; without them round ones from 0. Beside corners that point inwards it has no bound: colours end
         at what all but a two hundredth of the body has.
+    limits : pair of numbers, optional
+        Of the stress, where the colours end.
     title : str, optional
         Instead of the scale.
     resolution, bounds
@@ -67,7 +69,8 @@ def plot_deformation(
     Raises
     ------
     RsymError
-        For what is no such answer, a body whose outline is open within the bounds, an unknown colour map.
+        For what is no such answer, a body whose outline is open within the bounds, an unknown colour map, limits
+        without order.
 
     Examples
     --------
@@ -94,9 +97,8 @@ def plot_deformation(
     greatest = float(np.nanmax(np.linalg.norm(moved[inside], axis=-1)))
     if scale is None:
         scale = float(f"{SHOWN * size / greatest:.1g}") if greatest > 0 else 1.0
-    look = Look(levels, None, colour_map)
-    within = stress[inside & np.isfinite(stress)]
-    chosen = look.levels_of(stress) if levels is not None else robust_levels(np.linspace(0, np.quantile(within, SHARE)))
+    look = Look(levels, limits, colour_map)
+    chosen = levels_of_sizes(look, stress, inside)
     alone = ax is None
     if ax is None:
         import matplotlib.pyplot
@@ -130,7 +132,7 @@ def _filled(ax: Axes, lattice: Any, moved: Floats, stress: Floats, levels: Float
     colours, norm = look.colours(levels)
     shown = np.ma.masked_where(~known, stress)
     artist = ax.contourf(
-        u + shift[..., 0], v + shift[..., 1], shown, levels=levels, cmap=colours, norm=norm, extend="max"
+        u + shift[..., 0], v + shift[..., 1], shown, levels=levels, cmap=colours, norm=norm, extend="both"
     )
     artist.set(rasterized=True)
     return artist

@@ -18,6 +18,7 @@ from rsym.output.paints import checked_limits, checked_map
 COLOUR_MAP, TWO_SIDED = "viridis", "RdBu_r"
 # Singular spots reach any height; the colours span what lies between these shares of all samples.
 ROBUST_RANGE = (0.02, 0.98)
+SHARE_OF_SIZES = 0.995
 LEVEL_COUNT, SIDE_COUNT = 14, 7
 ROUNDING = 1e-9  # of the other side: a side below is none
 # Fields whose sign says inside or outside: both are shown, however small the share of one is.
@@ -105,6 +106,21 @@ def robust_levels(values: Floats) -> Floats:
         margin = max(abs(low), 1.0) * 0.5
         low, high = low - margin, high + margin
     return np.asarray(MaxNLocator(LEVEL_COUNT).tick_values(low, high))
+
+
+def levels_of_sizes(look: Look, values: Floats, inside: NDArray[np.bool_]) -> Floats:
+    """The levels of what is never negative and may have no bound: from 0 to what all but a few samples inside have.
+
+    Examples
+    --------
+    >>> sizes = np.append(np.linspace(0, 1, 1000), 1e9)
+    >>> levels_of_sizes(Look(), sizes, sizes >= 0)[[0, -1]]
+    array([0.  , 1.04])
+    """
+    within = values[inside & np.isfinite(values)]
+    if look.levels is not None or look.limits is not None or not within.size:
+        return look.levels_of(values)
+    return robust_levels(np.linspace(0, np.quantile(within, SHARE_OF_SIZES)))
 
 
 def checked_levels(levels: Any) -> Floats:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure, SubFigure
 
+from rsym.arrays import Floats
 from rsym.model.requirements import require_kind
 from rsym.output.looks import TWO_SIDED, Look
 from rsym.output.panels import draw_levels, dress
@@ -29,6 +30,7 @@ def plot_modes(
     *,
     figure: Figure | SubFigure | None = None,
     titles: Sequence[str] | None = None,
+    limits: tuple[float, float] | None = None,
     resolution: int | Sequence[int] = 240,
     bounds: Any = None,
     section: Mapping[Any, float] | None = None,
@@ -48,6 +50,8 @@ def plot_modes(
         Where to draw, in the size that it has; without it a new pyplot figure is made.
     titles : sequence of str, optional
         One for each mode; without them the eigenvalues.
+    limits : pair of numbers, optional
+        Where the colours end in all panels, instead of -m and m.
     resolution, bounds, section
         As for `plot_field`.
     colour_map : str
@@ -63,7 +67,7 @@ def plot_modes(
     Raises
     ------
     RsymError
-        For what is no spectrum, an unknown colour map, titles of another number.
+        For what is no spectrum, an unknown colour map, titles of another number, limits without order.
 
     Examples
     --------
@@ -94,12 +98,15 @@ def plot_modes(
         tell(progress, named[number], number, len(named))
         sampler = plane_sampler(spectrum.modes[number], "value", **options)
         values = sampler.values()
-        inside = np.abs(values[(logic > 0) & np.isfinite(values)])
-        most = float(np.quantile(inside, SHARE))
-        look = Look(np.linspace(-most, most, 2 * SIDE + 1), None, colour_map, "mask")
+        look = Look(_levels(values[logic > 0]) if limits is None else None, limits, colour_map, "mask")
         draw_levels(ax, sampler, values, look.levels_of(values), boundary, look, logic)
         dress(ax, sampler, named[number])
         ax.title.set_fontsize(10)
         ax.label_outer()
     tell(progress, "done", len(named), len(named))
     return whole(drawn)
+
+
+def _levels(inside: Floats) -> Floats:
+    most = float(np.quantile(np.abs(inside[np.isfinite(inside)]), SHARE))
+    return np.linspace(-most, most, 2 * SIDE + 1)

@@ -12,7 +12,7 @@ from matplotlib.contour import QuadContourSet
 
 from rsym.arrays import Floats
 from rsym.model.requirements import require_kind
-from rsym.output.looks import Look, robust_levels
+from rsym.output.looks import Look, levels_of_sizes
 from rsym.output.panels import colour_bar, draw_levels, dress, thin_out
 from rsym.output.pictures import require_axes
 from rsym.problems.torsion import Torsion
@@ -21,7 +21,6 @@ from rsym.sampling.plane import plane_sampler
 
 LINES = 14  # stress lines between the outer boundary and the summit
 COLOUR_MAP = "plasma_r"
-SHARE = 0.995  # of the section: the colours end at its stress
 
 
 def plot_torsion(
@@ -30,6 +29,7 @@ def plot_torsion(
     ax: Axes | None = None,
     lines: int = LINES,
     title: str | None = None,
+    limits: tuple[float, float] | None = None,
     resolution: int | Sequence[int] = 400,
     bounds: Any = None,
     colour_map: str = COLOUR_MAP,
@@ -50,6 +50,8 @@ def plot_torsion(
         How many stress lines there are between 0 and the summit of u.
     title : str, optional
         Instead of the rigidity.
+    limits : pair of numbers, optional
+        Of the stress, where the colours end.
     resolution, bounds
         As for `plot_field`.
     colour_map : str
@@ -63,7 +65,7 @@ def plot_torsion(
     Raises
     ------
     RsymError
-        For what is no torsion, an unknown colour map.
+        For what is no torsion, an unknown colour map, limits without order.
 
     Source: L. Prandtl (1903), Zur Torsion von prismatischen Staeben.
 
@@ -84,16 +86,14 @@ def plot_torsion(
     logic = omega.values()
     found = solution.sampled(*sampler.lattice.open_axes())
     stress = np.linalg.norm(found["gradient"], axis=-1)
-    look = Look(None, None, colour_map, "mask")
+    look = Look(None, limits, colour_map, "mask")
     alone = ax is None
     if ax is None:
         import matplotlib.pyplot
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
     require_axes(ax)
-    inside = stress[(logic > 0) & np.isfinite(stress)]
-    most = np.quantile(inside, SHARE) if inside.size else np.nan
-    levels = robust_levels(np.linspace(0, most))
+    levels = levels_of_sizes(look, stress, logic > 0)
     boundary = trace(omega, 0.0, values=logic)
     artist = draw_levels(ax, sampler, stress, levels, boundary, replace(look, levels=levels), logic, lined=False)
     _draw_lines(ax, omega, np.where(logic > 0, found["value"], np.nan), found["value"], lines)
