@@ -31,13 +31,9 @@ from rsym.program.raising import raised
 
 
 class Joins(NamedTuple):
-    """How weights are put together: a `product`, or by equivalence, which keeps an order of normalisation.
-
-    `power` is the m of R_0^m for disjunctions: their first m derivatives are continuous at re-entrant corners.
-    """
+    """How weights are put together: a product, or by equivalence, which keeps an order of normalisation."""
 
     order: int | None = None
-    power: int = 0
 
     def both(self, b: Builder, f: int, g: int) -> int:
         """What vanishes where one of two weights does; f*g/sqrt(f**2 + g**2) and the like keep an order."""
@@ -45,8 +41,6 @@ class Joins(NamedTuple):
 
     def either(self, b: Builder, f: int, g: int) -> int:
         """The disjunction."""
-        if self.power:
-            return b.make("r0m_disjunction", f, g, b.const(self.power))
         if self.order is None or self.order == 1:
             return b.make("r0_disjunction", f, g)
         return b.make("rp_disjunction", f, g, b.const(even(self.order + 1)))
