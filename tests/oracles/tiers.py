@@ -13,6 +13,13 @@ def some(things, count=2):
     return things if EVERYTHING else random.Random(f"{SEED} {len(things)}").sample(things, min(count, len(things)))
 
 
+def of_the_day(things, count):
+    """So many of them in every tier, in their order, rotating with the seed: of long batteries that are samples."""
+    things = list(things)
+    chosen = random.Random(f"{SEED} {len(things)}").sample(range(len(things)), min(count, len(things)))
+    return [things[k] for k in sorted(chosen)]
+
+
 def examples(count):
     """How many examples are tried: `count`, a tenth of them in the quick tier, and no fewer than five."""
     return count if EVERYTHING else max(5, count // 10)

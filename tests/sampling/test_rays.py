@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import sympy as sp
+from oracles.tiers import of_the_day
 
 import rsym
 from rsym import x, y, z
@@ -123,7 +124,7 @@ def test_shipped_models(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", of_the_day(MODELS, 6))
 def test_twenty_thousand_rays_for_three_sets_of_letters(name):
     shape, generator = space(name), np.random.default_rng(5)
     for k in range(3):

@@ -5,6 +5,7 @@ import pytest
 import sympy as sp
 from oracles import random_bodies
 from oracles.closeness import assert_close
+from oracles.tiers import of_the_day
 
 import rsym
 from rsym import Shape, x, y, z
@@ -228,7 +229,7 @@ def test_a_range_of_letters():
 
 
 @pytest.mark.random
-@pytest.mark.parametrize("number", range(30))
+@pytest.mark.parametrize("number", of_the_day(range(30), 10))
 def test_regular_bodies_are_never_refuted(number):
     expression = random_bodies.numbered(random_bodies.regular, number)
     report = _quickly(expression)
@@ -236,7 +237,7 @@ def test_regular_bodies_are_never_refuted(number):
 
 
 @pytest.mark.random
-@pytest.mark.parametrize("number", range(30))
+@pytest.mark.parametrize("number", of_the_day(range(30), 10))
 def test_planted_defects_are_never_certified(number):
     _, expression = random_bodies.numbered(random_bodies.planted, number)
     assert _quickly(expression).verdict in {"REFUTED", "DEGENERATE"}

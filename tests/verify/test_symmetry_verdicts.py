@@ -42,7 +42,7 @@ def truth(order, radius):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("order", [3, 5, 6, 7])
+@pytest.mark.parametrize("order", [3, 5, 6])
 def test_discs_around_a_point(order):
     wide, narrow = R(3, 4), R(2, 5)
     for motif in ("any", "even"):
@@ -80,7 +80,6 @@ def test_neighbours_that_touch():
 @pytest.mark.parametrize(
     ("made", "expected"),
     [
-        (lambda: rsym.cyclic(ball(R(9, 10)), 3, motif="any"), ("REFUTED", "G0")),
         (lambda: rsym.cyclic(ball(R(1, 2)), 5, motif="any"), ("CERTIFIED", "analytic")),
         (lambda: rsym.kaleidoscope(ball(R(2, 5)), 5), ("CERTIFIED", "analytic")),
         (lambda: rsym.kaleidoscope(ball(R(1, 2), (1, R(1, 4), 0)), 3), ("REFUTED", "G0")),
