@@ -351,7 +351,7 @@ def test_models_formats_and_systems_of_the_language_are_those_named():
 
 def test_the_lines_about_fields():
     space = {}
-    (code,) = [code for code in PYTHON if "rsym.solve(" in code]
+    (code,) = [code for code in PYTHON if "rsym.torsion(" in code]
     exec("\n".join([*PYTHON[0].splitlines()[:2], code]), space)
     heat, shaft = space["heat"], space["shaft"]
     said = re.search(r"tolist\(\)  # (.*?);", code).group(1)
@@ -361,6 +361,20 @@ def test_the_lines_about_fields():
     assert_close(np.array(values), np.array([float(told[1]), float(told[2])]), atol=1e-5)
     assert str(space["drum"].values.round(4).tolist()) in code
     assert abs(space["found"].area - (18 - 3 * np.pi * 0.36)) < 1e-11
+
+
+@pytest.mark.slow
+def test_the_lines_about_networks():
+    (code,) = [code for code in PYTHON if "jax.hessian" in code]
+    space = {"rsym": rsym, "x": rsym.x, "y": rsym.y}
+    exec(code, space)
+    shown = [line.partition("  # ")[0] for line in code.splitlines() if line.startswith("float(")]
+    assert len(shown) == 2
+    assert all(eval(line, space) for line in shown)
+    everywhere, rim = space["everywhere"], space["rim"]
+    assert float(abs(everywhere(space["found"].x, *rim) - rim[0] * rim[1]).max()) < 1e-13
+    before = abs(everywhere(space["start"], *space["inside"]) - space["truth"](*space["inside"])).max()
+    assert before > 0.3  # so that there was something to learn
 
 
 @pytest.mark.slow

@@ -218,3 +218,38 @@ def test_a_network_in_jax_learns_from_the_residual_of_an_equation():
     size = sum(float((one**2).sum()) for one in slope) ** 0.5
     moved = tuple(one - 1e-5 / size * way for one, way in zip(weights, slope, strict=True))
     assert (float(plain(moved, points)) - float(before)) / 1e-5 == pytest.approx(-size, rel=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.torch.jit:DeprecationWarning")
+def test_a_network_in_pytorch_is_what_its_formula_is():
+    """Values, first and second derivatives are those of the kernel of the same network; the conditions are met."""
+    torch = pytest.importorskip("torch")
+    structure = rsym.solution_structure(OVAL, {"oval": rsym.robin(2, x), "cut": x * y})
+    values, rng = rsym.to_torch(structure.with_values()), np.random.default_rng(8)
+    inner, outer = rng.normal(size=(6, 3)), rng.normal(size=6)
+    formula = sum(c * sp.tanh(a * x + b * y + d) for (a, b, d), c in zip(inner, outer, strict=True))
+    compiled = rsym.compile(structure.with_functions(formula, formula), ("value", "gradient", "hessian"))
+
+    def slopes(value, places):
+        return torch.autograd.grad(value.sum(), places, create_graph=True)[0]
+
+    def learnt(points):
+        places = torch.tensor(points, requires_grad=True)
+        weights = torch.tensor(outer, requires_grad=True)
+        phi = torch.tanh(places @ torch.tensor(inner[:, :2].T) + torch.tensor(inner[:, 2])) @ weights
+        phi_x, phi_y = slopes(phi, places).T
+        u = values(*places.T, {"Phi_1": phi, "Phi_1_x": phi_x, "Phi_1_y": phi_y, "Phi_2": phi})["value"]
+        gradient = slopes(u, places)
+        hessian = torch.stack([slopes(gradient[:, k], places) for k in (0, 1)], -1)
+        assert torch.isfinite(slopes(hessian**2, weights)).all()  # what learning asks for
+        return [one.detach().numpy() for one in (u, gradient, hessian)]
+
+    inside = rsym.sample(OVAL, 1000, rng=1).points
+    expected = compiled(*inside.T)
+    for found, name in zip(learnt(inside), ("value", "gradient", "hessian"), strict=True):
+        np.testing.assert_allclose(found, expected[name], rtol=1e-12, atol=1e-12, err_msg=name)
+    oval, cut = (rsym.sample(OVAL, 1000, over=part, rng=1) for part in ("oval", "cut"))
+    u, gradient, _ = learnt(oval.points)
+    assert np.abs((gradient * oval.normals).sum(axis=1) + 2 * u - oval.points[:, 0]).max() < 1e-12
+    assert np.abs(learnt(cut.points)[0] - cut.points.prod(axis=1)).max() < 1e-13
