@@ -146,6 +146,12 @@ def test_the_torsion_of_a_square(turn, share):
         assert abs(float(rsym.torsion(shape, cells=16, degree=5)) / SQUARE - 1) < share
 
 
+@pytest.mark.slow
+def test_cells_so_small_that_splines_make_up_functions_of_corners():
+    for degree in (5, 6):
+        assert abs(float(rsym.torsion(rsym.rectangle(1, 1), cells=32, degree=degree)) / SQUARE - 1) < 1e-13
+
+
 def test_the_torsion_of_an_l():
     assert abs(float(rsym.torsion(ell(), cells=16, degree=5)) - 0.8563032) < 5e-8
 
