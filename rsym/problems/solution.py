@@ -385,7 +385,8 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
     discrete = Discretisation(problem, rule, degree)
     discrete.require_level()
     definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
-    found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
+    last = discrete.extra_count
+    found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension, last=last)
     inner = discrete.splines.extension.shape[1]
     told = reported(rule, cells, degree, found).of_corners(problem.corners)
     coefficients = discrete.splines.extension @ found.values[:inner]

@@ -142,7 +142,14 @@ def square(turn):
 
 @pytest.mark.parametrize(("turn", "share"), [(0.0, 3e-11), (0.3, 1e-10)])
 def test_the_torsion_of_a_square(turn, share):
-    assert abs(float(rsym.torsion(square(turn), cells=16, degree=5)) / SQUARE - 1) < share
+    for shape in (square(turn), rsym.rectangle(1, 1).rotate(turn)):
+        assert abs(float(rsym.torsion(shape, cells=16, degree=5)) / SQUARE - 1) < share
+
+
+@pytest.mark.slow
+def test_cells_so_small_that_splines_make_up_functions_of_corners():
+    for degree in (5, 6):
+        assert abs(float(rsym.torsion(rsym.rectangle(1, 1), cells=32, degree=degree)) / SQUARE - 1) < 1e-13
 
 
 def test_the_torsion_of_an_l():

@@ -37,6 +37,22 @@ def test_threads_do_not_change_the_bits_of_conjugate_gradients(monkeypatch):
     assert (found[0] == found[1]).all()
 
 
+@pytest.mark.parametrize(("apart", "count"), [(0.0, 143), (1e-8, 143), (1e-5, 144)])
+def test_functions_that_others_make_up_leave_the_answer_alone(apart, count):
+    """The last function is a sum of two others, but for a little of something else."""
+    line = 2 * np.eye(12) - np.eye(12, k=1) - np.eye(12, k=-1)
+    whole, right = np.kron(line, np.eye(12)) + np.kron(np.eye(12), line), np.arange(144.0)
+    made = np.vstack([np.eye(143, 144), np.eye(144)[3] + np.eye(144)[70] + apart * np.eye(144)[143]])
+    matrix = sparse.csr_matrix(made @ whole @ made.T)
+    found = linear.solve_system(matrix, made @ right, definite=True, dimension=2, last=1)
+    exact = np.append(np.linalg.solve(whole[:count, :count], right[:count]), np.zeros(144 - count))
+    np.testing.assert_allclose(made.T @ found.values, exact, rtol=0, atol=1e-6 * np.abs(exact).max())
+    for last in (0, 1):  # what is singular without it is refused with it too
+        again = sparse.block_diag([np.ones((2, 2)), matrix], format="csr")
+        with pytest.raises(rsym.RsymError, match="the system"):
+            linear.solve_system(again, np.arange(146.0), definite=True, dimension=2, last=last)
+
+
 def test_eigenvalues_agree_with_dense_algebra():
     matrix, mass = laplace(8), sparse.diags(10.0 ** np.linspace(-6, 6, 64)).tocsr()
     values, vectors = linear.eigenpairs(matrix, mass, 3)

@@ -165,7 +165,7 @@ def corner_functions(
         chosen = terms_at(corner, natural, terms=terms, levels=levels, highest=highest, load=loaded)
         free = tuple(leaf in natural for leaf in corner.leaves)
         if chosen:
-            jets = leaf_jets(shape, corner.leaves, letters)
+            jets = leaf_jets(shape, corner.leaves, letters, corner.lines)
             parts.append(LocalFunctions(corner, chosen, _radius(corner, jets), power, free == (True, False), jets))
     return CornerFunctions(tuple(parts))
 

@@ -17,7 +17,7 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.corners.common_zeros import CommonZero, common_zeros
 from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
-from rsym.problems.corners.leaf_jets import leaf_jets
+from rsym.problems.corners.leaf_jets import Line, leaf_jets
 from rsym.problems.corners.reaches import Tips, reaches
 from rsym.problems.corners.sectors import Sector, sectors
 from rsym.sampling.extent import extent
@@ -26,6 +26,8 @@ from rsym.sampling.form_signs import Boxes
 STRAIGHT = 1e-6  # radians: what turns less is no corner
 WIDER = 1e-6  # of the bounds: what lies on them is found
 SINGULAR = "singular-leaf"
+ON_LINE = 1e-13  # of the size of a shape: what is on a straight edge but for rounding
+ALONG = np.polynomial.legendre.leggauss(14)[0]  # places along an edge, of the size of a shape
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,9 @@ class PlaneCorner:
         Within this distance no other part of the boundary lies, and leaf coordinates are one to one; 0 of a cusp.
     alone : bool
         Whether no other leaf passes through the point; else only what lies between the edges is of this corner.
+    straight : pair of bool
+        Which edges are straight though their leaves are not linear, such as that of a strip; there the distance from
+        the line stands for the leaf.
 
     Examples
     --------
@@ -64,6 +69,7 @@ class PlaneCorner:
     gradients: tuple[tuple[float, float], tuple[float, float]]
     reach: float
     alone: bool = True
+    straight: tuple[bool, bool] = (False, False)
 
     @property
     def is_reentrant(self) -> bool:
@@ -74,6 +80,15 @@ class PlaneCorner:
     def is_cusp(self) -> bool:
         """Whether both edges leave in one direction."""
         return self.angle in (0.0, 2 * math.pi)
+
+    @property
+    def lines(self) -> tuple[Line | None, Line | None]:
+        """What stands for the leaves of straight edges."""
+        first, second = (
+            Line(self.point, slope) if straight else None
+            for slope, straight in zip(self.gradients, self.straight, strict=True)
+        )
+        return first, second
 
     @property
     def edges(self) -> Floats:
@@ -149,6 +164,7 @@ def surveyed_corners(
     met: list[Ints] = []
     meetings, along = common_zeros(leaves, box)
     refused = list(along)
+    size = float(np.hypot(*box.sides[:, 0]))
     for meeting in meetings:
         try:
             zeros, own = _at(shape, leaves, meeting, letters)
@@ -158,10 +174,10 @@ def surveyed_corners(
             refused.append(error)
             continue
         alone = len(own) == 1 and {leaves.lines[k] for k in zeros} == {leaves.lines[k] for k in own[0][:2]}
-        corners_here = [_corner(leaves, named, meeting, sector, alone=alone) for sector in own]
+        corners_here = [_corner(leaves, named, meeting, sector, size, alone=alone) for sector in own]
         found += [corner for corner in corners_here if corner is not None]
         met += [zeros for corner in corners_here if corner is not None]
-    return _with_reaches(leaves, found, met, float(np.hypot(*box.sides[:, 0]))), tuple(refused)
+    return _with_reaches(leaves, found, met, size), tuple(refused)
 
 
 def _with_reaches(
@@ -175,6 +191,7 @@ def _with_reaches(
         np.array([corner.leaves for corner in own], np.int64).reshape(-1, 2),
         np.array([corner.gradients for corner in own]).reshape(-1, 2, 2),
         np.array([corner.angle for corner in own]),
+        np.array([corner.straight for corner in own], np.bool_).reshape(-1, 2),
         [met[k] for k in known],
     )
     far = dict(zip(known, reaches(leaves, tips, size).tolist(), strict=True))
@@ -216,7 +233,7 @@ def _at(
 
 
 def _corner(
-    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, *, alone: bool
+    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, size: float, *, alone: bool
 ) -> PlaneCorner | None:
     """The corner that a sector is, of unknown reach; None if its edges go on as each other."""
     both = sector.first, sector.second
@@ -226,7 +243,25 @@ def _corner(
     angle = sector.opening if sector.opening in (0.0, 2 * math.pi) else _angle(slopes)
     (px, py), (qx, qy) = slopes.tolist()
     place = float(meeting.point[0]), float(meeting.point[1])
-    return PlaneCorner(place, angle, both, (named[both[0]], named[both[1]]), ((px, py), (qx, qy)), 0.0, alone)
+    first, second = (
+        _is_straight(leaves, leaf, meeting.point, slope, size) for leaf, slope in zip(both, slopes, strict=True)
+    )
+    parts, gradients = (named[both[0]], named[both[1]]), ((px, py), (qx, qy))
+    return PlaneCorner(place, angle, both, parts, gradients, 0.0, alone, (first, second))
+
+
+def _is_straight(leaves: LeafBoxes, leaf: int, point: Floats, slope: Floats, size: float) -> bool:
+    """Whether a leaf that is not linear is 0 all along its tangent: one without kinks that is at many places is."""
+    if leaves.kinked[leaf]:
+        return False
+    length = float(np.hypot(*slope))
+    along = np.array([-slope[1], slope[0]]) / length
+    on = point[:, None] + along[:, None] * (size * ALONG)
+    beside = on + slope[:, None] / length * (size * ALONG[::-1])
+    with np.errstate(all="ignore"):
+        values, gradients = leaves.at(on)[leaf, 0], leaves.at(beside)[leaf, 1:]
+        curved = not np.abs(gradients - slope[:, None]).max() <= ON_LINE * length
+        return bool(curved and np.abs(values).max() <= ON_LINE * length * size)
 
 
 def _angle(slopes: Floats) -> float:

@@ -10,6 +10,7 @@ import sympy as sp
 from rsym.logic.sign_form import shape_form
 from rsym.model.shape import Shape
 from rsym.problems.corners.corner_functions import CornerFunctions, LocalFunctions, Term
+from rsym.problems.corners.leaf_jets import Line
 from rsym.program.raising import raised
 
 LARGEST = 24  # denominator of a part of pi that an angle is taken for
@@ -19,8 +20,8 @@ SAME = 1e-12
 def formulas(shape: Shape, functions: CornerFunctions) -> tuple[sp.Expr, ...]:
     """The functions as expressions in the coordinates and letters of their shape.
 
-    They are 0 on both edges for other letters too; angle, place, radius and lengths of gradients are those numbers
-    that the functions were made with.
+    They are 0 on both edges for other letters too, but where a tangent stands for a leaf; angle, place, radius and
+    lengths of gradients are those numbers that the functions were made with.
 
     Examples
     --------
@@ -37,7 +38,10 @@ def formulas(shape: Shape, functions: CornerFunctions) -> tuple[sp.Expr, ...]:
     u, v = shape.coordinates
     found = []
     for part in functions.parts:
-        first, second = (raised(form.builder.nodes, form.leaves[leaf]) for leaf in part.corner.leaves)
+        first, second = (
+            raised(form.builder.nodes, form.leaves[leaf]) if line is None else _tangent(line, u, v)
+            for leaf, line in zip(part.corner.leaves, part.corner.lines, strict=True)
+        )
         away = (u - _number(part.corner.point[0])) ** 2 + (v - _number(part.corner.point[1])) ** 2
         found += _of_corner(part, first, second, away)
     return tuple(found)
@@ -61,6 +65,11 @@ def _of_corner(part: LocalFunctions, first: sp.Expr, second: sp.Expr, away: sp.E
             value = sp.Piecewise((value, small < large), (0, True))
         found.append(value)
     return found
+
+
+def _tangent(line: Line, u: sp.Expr, v: sp.Expr) -> sp.Expr:
+    (a, b), (p, q) = line
+    return _number(p) * (u - _number(a)) + _number(q) * (v - _number(b))
 
 
 def _term(term: Term, alpha: sp.Expr, squared: sp.Expr, v: sp.Expr, angle: sp.Expr, theta: sp.Expr) -> sp.Expr:

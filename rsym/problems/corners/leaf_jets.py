@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,13 @@ from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
 
 FEW = 12  # leaves that are compiled; a tape takes twice as long at each point
+
+
+class Line(NamedTuple):
+    """A linear function in place of a leaf: 0 at a point, and its slope."""
+
+    point: tuple[float, float]
+    slope: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -34,6 +41,7 @@ class LeafJets:
     kernel: Kernel
     rows: tuple[int, ...]
     letters: Mapping[str, float]
+    lines: tuple[Line | None, ...] = ()
 
     def at(self, places: Floats) -> Floats:
         """Value, both first and the three second derivatives xx, xy, yy at points (n, 2): (leaves, 6, n)."""
@@ -41,14 +49,26 @@ class LeafJets:
         out = np.empty((len(program.outputs), len(places)))
         given = [self.letters[name] for name in program.letters]
         run_in_blocks(self.kernel.function, list(np.ascontiguousarray(places.T)), given, out, self.kernel.threads)
-        return out.reshape(-1, 6, len(places))[list(self.rows)]
+        found: Floats = out.reshape(-1, 6, len(places))[list(self.rows)]
+        for row, line in zip(found, self.lines, strict=False):
+            if line is not None:
+                slope = np.array(line.slope)
+                row[:] = 0.0
+                row[0] = (places - line.point) @ slope
+                row[1:3] = slope[:, None]
+        return found
 
 
-def leaf_jets(shape: Shape, leaves: Sequence[int], letters: Mapping[Any, float] | None = None) -> LeafJets:
-    """Some leaves of ``shape_form(shape)``; other letters need no compilation."""
+def leaf_jets(
+    shape: Shape,
+    leaves: Sequence[int],
+    letters: Mapping[Any, float] | None = None,
+    lines: Sequence[Line | None] = (),
+) -> LeafJets:
+    """Some leaves of ``shape_form(shape)``, or what stands for them; other letters need no compilation."""
     own = sorted(set(leaves))
     rows = tuple(own.index(leaf) for leaf in leaves)
-    return LeafJets(_kernel(shape, tuple(own)), rows, shape.letters.values_with(letters))
+    return LeafJets(_kernel(shape, tuple(own)), rows, shape.letters.values_with(letters), tuple(lines))
 
 
 @recently(8)

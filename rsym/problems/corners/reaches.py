@@ -1,6 +1,7 @@
 """How far around corners no other part of the boundary lies, and leaf coordinates are one to one.
 
-They are one to one on a disc where the symmetric part of their Jacobian is positive definite. Boxes around each corner
+They are one to one on a disc where the symmetric part of their Jacobian is positive definite. For a leaf that is 0 on
+a line stands the distance from that; where it is 0 again something else is. Boxes around each corner
 are divided, the nearest in which that or the rest is not known first, until the nearest is small against its distance.
 """
 
@@ -25,12 +26,16 @@ STEPS = 300
 
 
 class Tips(NamedTuple):
-    """Corners: points (n, 2), both leaves, their gradients (n, 2, 2), angles, and all leaves that vanish there."""
+    """Corners: points (n, 2), both leaves, their gradients (n, 2, 2), angles, and all leaves that vanish there.
+
+    straight : (n, 2), for which of both leaves its tangent stands, on which it is 0.
+    """
 
     points: Floats
     leaves: Ints
     gradients: Floats
     angles: Floats
+    straight: Flags
     met: Sequence[Ints]
 
 
@@ -121,7 +126,12 @@ def _unknown(leaves: LeafBoxes, tips: Tips, pool: _Pool, others: tuple[Flags, Fl
     # Leaves through the corner itself, away from it and between the edges.
     met: Flags = (matter & through[:, owner]).any(axis=0) & between & coarse
     inverse = np.asarray(np.linalg.inv(tips.gradients), np.float64)[owner]
-    return (matter & beyond[:, owner]).any(axis=0) | met | _folds(inverse, own[:, :, 1:].transpose(1, 0, 2, 3))
+    slopes, straight, tangents = own[:, :, 1:].transpose(1, 0, 2, 3), tips.straight[owner], tips.gradients[owner]
+    # Of a leaf that is 0 on a line, and grows across it wherever it may be 0, there is no other zero.
+    grows = (tangents[..., None] * slopes).min(axis=-1).sum(axis=-1) > 0
+    again = (straight & ~grows & ~(own[:, :, 0, 0] > 0).T & ~(own[:, :, 0, 1] < 0).T).any(axis=1)
+    slopes = np.where(straight[:, :, None, None], tangents[..., None], slopes)
+    return (matter & beyond[:, owner]).any(axis=0) | met | again | _folds(inverse, slopes)
 
 
 def _distance(boxes: Boxes, centre: Floats) -> Floats:

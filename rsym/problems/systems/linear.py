@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
 
@@ -23,6 +23,7 @@ MOST_STEPS = 5000
 # The share of an answer that a step of refinement may change, and of the right side that may be left: systems of
 # splines have up to 1e-10, singular ones more than 1e-3.
 UNSURE = 1e-6
+DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
 MOST_SHIFTS = 30
 # Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
 MOST_RANKED, RANK = 1000, 1e-12
@@ -58,8 +59,11 @@ def factored(matrix: sparse.csr_matrix) -> linalg.SuperLU:
         ) from error
 
 
-def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int) -> Solved:
-    """The solution: by factors of a small system or an indefinite one, else by conjugate gradients."""
+def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int = 0) -> Solved:
+    """The solution: by factors of a small system or an indefinite one, else by conjugate gradients.
+
+    last : of so many unknowns at the end those are 0 whose functions the others make up but for rounding.
+    """
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
     wanted = scale * right
@@ -70,17 +74,66 @@ def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, di
     if definite and len(right) > DIRECT[dimension]:
         found, steps = _conjugate_gradients(scaled, wanted)
     else:
-        factors = factored(scaled)
+        try:
+            factors = factored(scaled)
+        except RsymError:
+            if not last:
+                raise
+            return _without(matrix, right, last, definite=definite, dimension=dimension)
         found = factors.solve(wanted)
         correction = factors.solve(wanted - scaled @ found)
-        # Of rounding alone, it is as large a share as the condition of the matrix makes it.
-        if not _norm(correction) <= UNSURE * _norm(found):
-            raise nearly_singular()
+        # Of rounding alone, it is as large a share as the condition of the matrix makes it. Where the last functions
+        # are nearly made up by others, it is large in what amounts to nothing: by its energy it is small. That of an
+        # answer which is not sure is small too; then the first unknowns alone have none.
+        unsure = _norm(correction) / _norm(found)
+        if last and definite and unsure > UNSURE:
+            first = slice(len(right) - last)
+            solve_system(scaled[first, first], wanted[first], definite=True, dimension=dimension)
+            unsure = np.sqrt(abs(np.sum(correction * (scaled @ correction)) / np.sum(found * wanted)))
+        if not unsure <= UNSURE:
+            return _without(matrix, right, last, definite=definite, dimension=dimension)
         found = found + correction
     residual = _norm(wanted - scaled @ found) / size
     if not residual <= UNSURE:
         raise nearly_singular()
     return Solved(scale * found, steps, residual)
+
+
+def _without(matrix: sparse.csr_matrix, right: Floats, last: int, *, definite: bool, dimension: int) -> Solved:
+    """The solution where those of the last unknowns are 0 that others make up for; refused if none of them is such."""
+    scale = sparse.diags(scales(matrix))
+    own = independent((scale @ matrix @ scale).tocsr(), last) if last else np.empty(0, np.bool_)
+    if own.all():
+        raise nearly_singular()
+    kept = np.append(np.ones(len(right) - last, np.bool_), own)
+    count = int(own.sum())
+    some = solve_system(matrix[kept][:, kept], right[kept], definite=definite, dimension=dimension, last=count)
+    values = np.zeros_like(right)
+    values[kept] = some.values
+    return replace(some, values=values)
+
+
+def independent(scaled: sparse.csr_matrix, last: int) -> Flags:
+    """Which of the last functions of a matrix, its diagonal 1, the others and those before do not make up.
+
+    Examples
+    --------
+    >>> rows = np.array([[1, 0, 0.6, 0.6], [0, 1, 0.8, 0], [0.6, 0.8, 1, 0.36], [0.6, 0, 0.36, 1]])
+    >>> independent(sparse.csr_matrix(rows), 2).tolist()
+    [False, True]
+    """
+    first = scaled.shape[0] - last
+    beside = scaled[:first, first:].toarray()
+    rest = scaled[first:, first:].toarray() - scaled[first:, :first] @ factored(scaled[:first, :first]).solve(beside)
+    kept = np.zeros(last, np.bool_)
+    for _ in range(last):
+        pivots = np.where(kept, 0.0, np.abs(rest.diagonal()))
+        most = int(pivots.argmax())
+        if pivots[most] <= DEPENDENT:
+            break
+        kept[most] = True
+        rest = rest - np.outer(rest[:, most], rest[most]) / rest[most, most]
+    return kept
 
 
 def nearly_singular() -> RsymError:

@@ -194,6 +194,21 @@ def test_as_expressions_they_have_the_same_values_and_derivatives(shape, natural
         assert_allclose(fields["hessian"][:, [0, 0, 1], [0, 1, 1]].T, values[3:, k], rtol=0, atol=1e-11)
 
 
+def test_of_strips_they_are_those_of_half_planes():
+    halves = rsym.Shape(rsym.conjunction(1 - x, x, y, 1 - y), (x, y))
+    strips = rsym.Shape(rsym.conjunction(x * (1 - x), y * (1 - y)), (x, y))
+    points = np.random.default_rng(1).uniform(0, 1, (300, 2))
+    for one, other in zip(corners(strips), corners(halves), strict=True):
+        assert_allclose(one.point, other.point, rtol=0, atol=1e-15)
+        both = [corner_functions(shape, [corner], levels=2) for shape, corner in ((strips, one), (halves, other))]
+        found, wanted = (made.derivatives(points, 2) for made in both)
+        assert np.abs(wanted[0]).max() > 1e-6
+        assert_allclose(found, wanted, rtol=0, atol=2e-2 * np.abs(wanted).max())  # of reaches that are bounds
+        ((expression, *_),) = [formulas(strips, both[0])]
+        kernel = rsym.compile(strips.replace(expression=expression))
+        assert_allclose(kernel(*points.T)["value"], found[0, 0], rtol=0, atol=1e-14)
+
+
 def test_as_expressions_they_are_zero_on_edges_for_other_letters_too():
     a = sp.Symbol("a", real=True)
     shape = rsym.Shape(rsym.conjunction(4 - x**2 - y**2, rsym.disjunction(a - x, y - a * x)), (x, y), letters={a: 0})

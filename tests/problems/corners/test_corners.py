@@ -55,6 +55,20 @@ def test_corners_of_a_square_with_a_quarter_cut_away_of_any_size(size):
     assert 0.97 * size < inner.reach <= size
 
 
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_edges_of_strips_are_straight_to_their_other_sides(turn):
+    """Leaves such as 1/4 - x**2 fold in the middle, where nothing is."""
+    for corner in corners(rsym.rectangle(3, 1).rotate(turn)):
+        assert corner.straight == (True, True)
+        assert 0.97 < corner.reach <= 1
+    leaf = x * ((2 * x - 3) ** 2 + 4 * y**2 - 1)  # 0 on a circle too, whose nearest point is (1, 0)
+    found = corners(rsym.Shape(rsym.conjunction(leaf, y, 4 - x, 4 - y), (x, y)))
+    corner = min(found, key=lambda corner: math.hypot(*corner.point))
+    assert sorted(corner.straight) == [False, True]
+    assert 0.97 < corner.reach <= 1
+    assert not any(c.straight[0] or c.straight[1] for c in corners(rsym.disc(1) & rsym.half_plane((0, 1), 0)))
+
+
 @pytest.mark.parametrize("system", [rsym.R1, rsym.R0m(2), rsym.Rp(4)])
 def test_corners_are_the_same_in_all_systems_and_of_leaves_times_numbers(system):
     box = 1e6 * (1 - x**2), (1 - y**2) / 10**6
