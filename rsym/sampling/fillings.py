@@ -75,7 +75,7 @@ class Filling:
     >>> round(float(half.sizes.sum()), 2), bool((half.points[:, 1] > -1e-12).all())
     (1.57, True)
     >>> round(float(filling(rsym.sphere(1), ((-1.1, 1.1),) * 3, 16).sizes.sum()), 1)
-    4.1
+    4.2
     """
 
     points: Floats
