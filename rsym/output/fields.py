@@ -26,9 +26,11 @@ from rsym.output.sign_pictures import draw_signs
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import LevelLines, trace
-from rsym.sampling.plane import GIVEN_FIELDS, GivenField, PlaneSampler, checked_scalar, plane_sampler
+from rsym.sampling.plane import GivenField, PlaneSampler, checked_scalar, plane_sampler
 from rsym.sampling.progress import Progress, tell
 
+# The Laplacian of what is harmonic is the error of its second derivatives: drawn where it is asked for.
+GIVEN_SHEET = ("value", "gradient_squared")
 GIVEN_TITLES = {"value": "$u$", "gradient_squared": r"$|\nabla u|^2$", "laplacian": r"$\Delta u$"}
 
 
@@ -61,8 +63,9 @@ def plot_field(
         A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one: then the outside
         is white, and named parts of the boundary have colours and a legend where there are several.
     field : str
-        A scalar field of `compile`, of a solution itself as "value", "gradient_squared" or "laplacian"; or "sign", the inside in one colour: at each place only what matters there is
-        evaluated, and of a shape of thousands of operations that is little.
+        A scalar field of `compile`, of a solution "value", "gradient_squared" or "laplacian"; or "sign", the inside in
+        one colour: at each place only what matters there is evaluated, and of a shape of thousands of operations that
+        is little.
     ax : matplotlib axes, optional
         Where to draw; without it a new figure with a colour bar is made.
     levels : sequence of float, optional
@@ -174,7 +177,7 @@ def plot_fields(
     levels, limits, titles : mapping, optional
         By the names of fields what `plot_field` takes for each.
     fields : sequence of str
-        Of a solution its value, its squared gradient and its Laplacian, or some of them; all three by default.
+        Of a solution "value" and "gradient_squared", by default, and "laplacian".
     shape, resolution, bounds, letters, section, colour_map, outside, force
         As for `plot_field`, with its errors and warnings.
 
@@ -195,7 +198,7 @@ def plot_fields(
     field_on = shape
     if isinstance(shape, GivenField):
         shape, outside = shape.shape, outside or "mask"
-        fields = GIVEN_FIELDS if fields is SIX else fields
+        fields = GIVEN_SHEET if fields is SIX else fields
     require_shape(shape)
     names = checked_fields(fields)
     look = Look(_by_field(levels, names, "levels"), _by_field(limits, names, "limits"), colour_map, outside)
