@@ -191,7 +191,8 @@ def _solved(
         views = [plane_sampler(one.shape, "value", **options).bounds for one in (field_on, *found)]
         low, high = np.array(views)[..., 0].min(axis=0), np.array(views)[..., 1].max(axis=0)
         bounds = tuple(zip(low.tolist(), high.tolist(), strict=True))
-    return [tuple(plane_sampler(it, "value", bounds=bounds, **options) for it in (one, one.shape)) for one in found]
+    options = {**options, "bounds": bounds}
+    return [(plane_sampler(one, "value", **options), plane_sampler(one.shape, "value", **options)) for one in found]
 
 
 def _plane(

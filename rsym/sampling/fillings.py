@@ -175,8 +175,8 @@ def _cut_squares(chains: Sequence[_Chain], inside: Flags) -> Iterator[list[int]]
         (corners,) = _corner_numbers(np.array([square]), inside.shape).tolist()
         left = list(own)
         while left:
-            polygon, here = [], left.pop()
-            first = here
+            polygon: list[int] = []
+            first = here = left.pop()
             while True:
                 polygon += here.points
                 after = min((*left, first), key=lambda one: (one.enters - here.leaves) % 4)
