@@ -25,4 +25,5 @@ fits.py                                            letters and data: residuals, 
 cards.py, equations.py, pictures.py                small pictures with formulas, LaTeX, figures to files
 design/                                            a page of a shape with live letters, served or in a file
 views.py, explorer.py, explore.py                  exploring in a notebook; needs ipywidgets
+solution_explorer.py                               the same of solutions
 """

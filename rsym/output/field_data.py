@@ -36,7 +36,7 @@ def field_mesh(field: Field, resolution: int | Sequence[int] | None = None) -> t
     >>> {name: values.shape[1:] for name, values in data.items()}, len(data["u"]) == len(cells.points)
     ({'u': (), 'gradient': (3,)}, True)
     """
-    first = _first(field)
+    first = solved_first(field)
     shape: Shape = first.shape
     made = filling(shape, _box(first.splines), RESOLUTIONS[shape.dimension] if resolution is None else resolution)
     with np.errstate(all="ignore"):
@@ -44,7 +44,7 @@ def field_mesh(field: Field, resolution: int | Sequence[int] | None = None) -> t
     return made, {name: np.where(np.isfinite(values), values, np.nan) for name, values in found.items()}
 
 
-def _first(field: Field) -> Solution | ElasticSolution:
+def solved_first(field: Field) -> Solution | ElasticSolution:
     """What knows the shape and the grid of splines."""
     if isinstance(field, Spectrum):
         return field.modes[0]

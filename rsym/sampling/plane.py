@@ -265,14 +265,14 @@ def _lattice_of_view(
     """The bounds of the free coordinates, and a lattice over them."""
     box = bounds
     if bounds is None or len(bounds) == len(shape.coordinates):
-        whole = _bounds_of_view(shape, bounds, letters)
+        whole = bounds_of_view(shape, bounds, letters)
         box = tuple(whole[k] for k in free)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
     return flat.bounds, lattice_over(flat.bounds, resolution, math.inf)
 
 
-def _bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
+def bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
     """The bounds given, else the shape's own, else its extent and some surroundings."""
     chosen = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     if chosen is not None:
