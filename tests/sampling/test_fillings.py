@@ -13,6 +13,7 @@ RING = rsym.disc(1) - rsym.disc(0.4)
 TURNED = rsym.rectangle(1.6, 0.8).rotate(0.3) - rsym.disc(0.2)
 STAR = rsym.regular_polygon(3, 1) | rsym.regular_polygon(3, 1).rotate(np.pi)
 CROSS = rsym.rectangle(2, 0.1) | rsym.rectangle(0.1, 2)  # thinner than two cells
+PAIR = rsym.rectangle(1, 1).translate(-0.51, -0.51) | rsym.rectangle(1, 1).translate(0.51, 0.51)  # both in one square
 L = rsym.rectangle(2, 2) - rsym.rectangle(2, 2).translate(1, 1)
 
 
@@ -38,9 +39,10 @@ def assert_fits(made):
         (STAR, np.sqrt(3), 4 * np.sqrt(3)),
         (CROSS, 0.39, 8),
         (L, 3, 8),
+        (PAIR, 2, 8),
         (RING, np.pi * 0.84, np.pi * 2.8),
     ],
-    ids=["turned", "star", "cross", "L", "ring"],
+    ids=["turned", "star", "cross", "L", "pair", "ring"],
 )
 def test_triangles_fill_a_plane_shape_up_to_its_corners(shape, area, around):
     made = filling(shape, BOX, 37)
