@@ -4,22 +4,55 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rsym.commands.options import load_model, numbers
 from rsym.errors import RsymError
 
 if TYPE_CHECKING:
     from rsym.model.shape import Shape
+    from rsym.output.field_data import Field
     from rsym.problems.refinement import Grade
     from rsym.problems.stated import StatedProblem
+
+DATA = ".vtu"
 
 
 def add_picture(parser: argparse.ArgumentParser) -> None:
     """The picture, which need not be."""
-    parser.add_argument("-o", "--output", metavar="FILE", help="a picture: .png, .svg, .pdf or .eps")
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="a picture: .png, .svg, .pdf or .eps; or .vtu for ParaView"
+    )
+
+
+def check_output(options: argparse.Namespace, shape: Shape) -> None:
+    """Refuse a name that nothing of a field on this shape can be written to: asked before the work, not after it."""
+    from rsym.model.requirements import optional_package
+    from rsym.output.pictures import picture_suffix
+
+    if options.output is not None:
+        if options.output.lower().endswith(DATA):
+            optional_package("meshio", f"a file {DATA}")
+            return
+        picture_suffix(options.output)
+        if shape.dimension != 2:
+            raise RsymError(
+                f"a field in space has no picture in the plane, got {options.output}",
+                code="section",
+                remedy=f"-o field{DATA}, or --section of the shape",
+            )
+
+
+def write_output(found: Field, draw: Callable[[], Any], options: argparse.Namespace) -> None:
+    """What was found as a file for ParaView, or its picture, where one was asked for; say where it is."""
+    from rsym.output.files import write
+    from rsym.output.pictures import write_picture
+
+    if options.output is not None:
+        to_others = options.output.lower().endswith(DATA)
+        print(write(found, options.output) if to_others else write_picture(draw(), options.output))
 
 
 def add_equation(parser: argparse.ArgumentParser, default: str) -> None:

@@ -9,8 +9,10 @@ from rsym.commands.field_options import (
     add_equation,
     add_picture,
     add_refinement,
+    check_output,
     error_of,
     load_problem,
+    write_output,
 )
 from rsym.commands.options import Commands, add_command, add_model, add_section, progress_bar
 
@@ -38,13 +40,11 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> None:
     """Compute them, print the eigenvalues, and draw the modes."""
     from rsym.output.modes import plot_modes
-    from rsym.output.pictures import picture_suffix, write_picture
     from rsym.problems.spectra import modes
     from rsym.reports.numbers import measured
 
-    if options.output is not None:
-        picture_suffix(options.output)
     problem = load_problem(options)
+    check_output(options, problem.shape)
     with progress_bar("grid", "solving") as progress:
         found = modes(
             problem.shape,
@@ -60,5 +60,4 @@ def run(options: argparse.Namespace) -> None:
     print(f"{'mode':>4}  eigenvalue")
     for number, value in enumerate(found.values, 1):
         print(f"{number:>4}  {measured(float(value), error_of(found.grades, float(value)))}")
-    if options.output is not None:
-        print(write_picture(plot_modes(found), options.output))
+    write_output(found, lambda: plot_modes(found), options)

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from rsym.commands.field_options import add_conditions, add_equation, add_picture, add_refinement, load_problem
+from rsym.commands.field_options import (
+    add_conditions,
+    add_equation,
+    add_picture,
+    add_refinement,
+    check_output,
+    load_problem,
+    write_output,
+)
 from rsym.commands.options import Commands, add_command, add_model, add_section, progress_bar
 
 GROUP = "fields on shapes"
@@ -30,12 +38,11 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> None:
     """Solve, say how and what came out, and draw it."""
     from rsym.output.fields import plot_field
-    from rsym.output.pictures import figure_of, picture_suffix, write_picture
+    from rsym.output.pictures import figure_of
     from rsym.reports.numbers import point, short
 
-    if options.output is not None:
-        picture_suffix(options.output)
     problem = load_problem(options)
+    check_output(options, problem.shape)
     with progress_bar("grid", "solving") as progress:
         found = problem.solve(
             degree=options.degree,
@@ -50,5 +57,4 @@ def run(options: argparse.Namespace) -> None:
     for word, one in (("minimum", least), ("maximum", most)):
         print(f"  {word:<8}  {short(one.value, size)} at {point(one.point, 4)}")
     print(f"  integral  {short(found.integral())}")
-    if options.output is not None:
-        print(write_picture(figure_of(plot_field(found)), options.output))
+    write_output(found, lambda: figure_of(plot_field(found)), options)

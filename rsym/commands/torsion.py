@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from rsym.commands.field_options import add_picture, add_refinement, cut_shape, error_of
+from rsym.commands.field_options import add_picture, add_refinement, check_output, cut_shape, error_of, write_output
 from rsym.commands.options import Commands, add_command, add_model, add_section, load_shape, progress_bar
 
 GROUP = "fields on shapes"
@@ -27,14 +27,13 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Compute the torsion, print it, and draw its stress lines."""
-    from rsym.output.pictures import figure_of, picture_suffix, write_picture
+    from rsym.output.pictures import figure_of
     from rsym.output.torsion import plot_torsion
     from rsym.problems.torsion import torsion
     from rsym.reports.numbers import measured, point, short
 
-    if options.output is not None:
-        picture_suffix(options.output)
     shape = cut_shape(load_shape(options), options)
+    check_output(options, shape)
     with progress_bar("grid", "solving") as progress:
         found = torsion(
             shape, degree=options.degree, cells=options.cells, tolerance=options.tolerance, progress=progress
@@ -45,5 +44,4 @@ def run(options: argparse.Namespace) -> None:
     for level, area in zip(found.levels, found.areas, strict=True):
         print(f"hole             of the area {short(area)}, at the level {short(level)}")
     print(f"unknowns         {found.solution.report.unknowns}")
-    if options.output is not None:
-        print(write_picture(figure_of(plot_torsion(found)), options.output))
+    write_output(found, lambda: figure_of(plot_torsion(found)), options)

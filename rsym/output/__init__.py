@@ -6,6 +6,7 @@ takes `ax=` or a figure and returns its artist.
 files.py, formats.py, units.py                     meshes to files: a row per format, lengths
 interactive.py, viewing.py                         the page that turns; the browser
 exchange.py, dxf.py, models.py, points.py          other packages' meshes; curves; model files, letters; measured points
+field_data.py                                      solutions at the points of cells that fill their shapes
 looks.py, panels.py, fields.py, sign_pictures.py   level lines: looks, one panel, what users call, several; signs
 boundaries.py, modes.py, torsion.py                solutions: named boundaries, sheets of modes, stress lines
 deformations.py                                    elastic bodies as they are bent, with their stress
@@ -24,4 +25,5 @@ fits.py                                            letters and data: residuals, 
 cards.py, equations.py, pictures.py                small pictures with formulas, LaTeX, figures to files
 design/                                            a page of a shape with live letters, served or in a file
 views.py, explorer.py, explore.py                  exploring in a notebook; needs ipywidgets
+solution_explorer.py                               the same of solutions
 """

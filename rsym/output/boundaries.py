@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
+from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,6 +23,8 @@ PART_COLOURS = ("#d55e00", "#0072b2", "#cc79a7", "#009e73", "#e69f00", "#56b4e9"
 WIDTH = 2.6
 MOST_NAMED = 8
 BELOW = 30  # points from the axes to their legend: the numbers and the name of the coordinate lie between
+IN_A_ROW = 4
+LEGEND: Mapping[str, Any] = MappingProxyType({"fontsize": 8, "frameon": False, "handlelength": 1.6})
 
 
 def part_lines(omega: PlaneSampler) -> dict[str, list[Floats]]:
@@ -60,7 +64,7 @@ def _runs(line: Floats, names: list[str]) -> Iterator[tuple[str, Floats]]:
         yield names[first], line[first : last + 1]
 
 
-def draw_parts(ax: Axes, omega: PlaneSampler) -> list[LineCollection]:
+def draw_parts(ax: Axes, omega: PlaneSampler, *, legend: bool = True) -> list[LineCollection]:
     """The named parts of the boundary in colours, with a legend below, where there are several of them."""
     lines = part_lines(omega)
     if not 2 <= len(lines) <= MOST_NAMED:
@@ -74,14 +78,14 @@ def draw_parts(ax: Axes, omega: PlaneSampler) -> list[LineCollection]:
         ax.add_collection(artist, autolim=False)
         drawn.append(artist)
     shown = [artist for artist, name in zip(drawn, lines, strict=True) if name]
+    if not legend:
+        return shown
     ax.legend(
         handles=shown,
         loc="upper center",
         bbox_to_anchor=(0.5, 0.0),
         bbox_transform=ax.transAxes + ScaledTranslation(0.0, -BELOW / 72, ax.figure.dpi_scale_trans),
-        ncols=min(len(shown), 4),
-        fontsize=8,
-        frameon=False,
-        handlelength=1.6,
+        ncols=min(len(shown), IN_A_ROW),
+        **LEGEND,
     )
-    return drawn
+    return shown

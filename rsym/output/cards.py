@@ -7,7 +7,7 @@ import html
 import io
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -34,7 +34,7 @@ from rsym.sampling.contours import trace
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import lattice_over
 from rsym.sampling.meshing import mesh
-from rsym.sampling.plane import plane_sampler
+from rsym.sampling.plane import GivenField, plane_sampler
 
 Place: TypeAlias = tuple[float, float, float, float]
 LEVEL_CELLS = 160  # along the longest side of a plane picture; a few milliseconds
@@ -111,7 +111,7 @@ def cards(
 
 
 def plot_gallery(
-    shapes: Mapping[str, Shape],
+    shapes: Mapping[str, Shape | GivenField],
     *,
     columns: int = 4,
     resolution: int | None = None,
@@ -126,7 +126,7 @@ def plot_gallery(
     Parameters
     ----------
     shapes, columns, resolution, reach
-        As for `cards`.
+        As for `cards`; solutions in the plane, too, what is outside of them white.
     figure : Figure or SubFigure, optional
         Where to draw, in the size that it has; without it a new pyplot figure is made.
     titles : sequence of str, optional
@@ -152,7 +152,7 @@ def plot_gallery(
     >>> [text.get_text() for text in figure.texts]
     ['line', 'disc']
     """
-    _check(shapes)
+    _check({name: one.shape if isinstance(one, GivenField) else one for name, one in _named(shapes).items()})
     look, headings = Look(None, limits, colour_map), checked_titles(titles, list(shapes))
     across = min(columns, len(shapes))
     rows = -(-len(shapes) // across)
@@ -193,19 +193,25 @@ def _picture(shape: Shape, resolution: int | None, reach: float | None) -> bytes
     return data.getvalue()
 
 
-def _seen(shape: Shape, reach: float | None) -> Bounds | None:
+def _seen(shape: Shape | GivenField, reach: float | None) -> Bounds | None:
+    if isinstance(shape, GivenField):
+        return None
     return shape.bounds if shape.bounds or reach is None else ((-reach, reach),) * shape.dimension
 
 
+def _named(shapes: Any) -> Mapping[str, Any]:
+    return require_mapping(shapes, "shape", 'for example {"disc": rsym.disc()}')
+
+
 def _check(shapes: Mapping[str, Shape]) -> None:
-    for shape in require_mapping(shapes, "shape", 'for example {"disc": rsym.disc()}').values():
+    for shape in _named(shapes).values():
         require_shape(shape)
     if not shapes:
         raise RsymError("a gallery needs a shape at least", code="empty", remedy='for example {"disc": rsym.disc()}')
 
 
 def draw_portrait(
-    shape: Shape,
+    shape: Shape | GivenField,
     figure: Figure | SubFigure,
     place: Place = (0.0, 0.0, 1.0, 1.0),
     *,
@@ -241,6 +247,9 @@ def draw_portrait(
     >>> type(draw_portrait(disc, matplotlib.figure.Figure())).__name__
     'QuadContourSet'
     """
+    if isinstance(shape, GivenField):
+        box = bounds_or_extent(shape.shape, bounds)
+        return _draw_levels(shape, box, figure, place, replace(look, outside=look.outside or "mask"))
     box = bounds_or_extent(shape, bounds)
     if shape.dimension == 2:
         return _draw_levels(shape, box, figure, place, look)
@@ -269,17 +278,24 @@ def fill(figure: Figure | SubFigure, artist: Body, place: Place) -> None:
     axes.set_position(np.concatenate([corner, growth * axes.bbox.size]) / page)
 
 
-def _draw_levels(shape: Shape, box: Bounds, figure: Figure | SubFigure, place: Place, look: Look) -> Artist:
+def _draw_levels(
+    shape: Shape | GivenField, box: Bounds, figure: Figure | SubFigure, place: Place, look: Look
+) -> Artist:
     """Level lines that fill the place."""
     width, height = np.array(place[2:]) * figure.bbox.size
-    sampler = plane_sampler(shape, "value", resolution=LEVEL_CELLS, bounds=_view(box, width / height))
-    values = sampler.values()
-    unsigned = np.nanmin(values) >= 0
-    boundary = () if unsigned else trace(sampler, 0.0, values=values)
-    if remark := missing_boundary(shape, sampler, values, boundary):
+    options: Any = {"resolution": LEVEL_CELLS, "bounds": _view(box, width / height)}
+    sampler = omega = plane_sampler(shape, "value", **options)
+    values = logic = sampler.values()
+    if isinstance(shape, GivenField):
+        shape = shape.shape
+        omega = plane_sampler(shape, "value", **options)
+        logic = omega.values()
+    unsigned = np.nanmin(logic) >= 0
+    boundary = () if unsigned else trace(omega, 0.0, values=logic)
+    if remark := missing_boundary(shape, omega, logic, boundary):
         warn(remark)
     ax = figure.add_axes(place)
-    artist = draw_levels(ax, sampler, values, look.levels_of(values, "value"), boundary, look)
+    artist = draw_levels(ax, sampler, values, look.levels_of(values, sampler.field, logic > 0), boundary, look, logic)
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
     if unsigned:
         ax.contourf(u, v, values.T, levels=[-1.0, STROKE * _longest(box)], colors="black")

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.output.field_data import FIELDS, Field
 from rsym.output.patches import Lines, Patches
+from rsym.problems.stated import StatedProblem
 from rsym.program.fields import SIX
+from rsym.sampling.plane import GIVEN_FIELDS
 
 if TYPE_CHECKING:
     from rsym.output.explorer import Explorer, PatchExplorer
+    from rsym.output.solution_explorer import SolutionExplorer
 
 
+@overload
 def explore(
     shape: Shape,
     fields: Sequence[str] = SIX,
@@ -23,18 +28,38 @@ def explore(
     axis: Any = None,
     bounds: Any = None,
     resolution: int = 160,
-) -> Explorer:
+) -> Explorer: ...
+@overload
+def explore(
+    shape: Field | StatedProblem,
+    fields: Sequence[str] = SIX,
+    *,
+    axis: Any = None,
+    bounds: Any = None,
+    resolution: int = 160,
+) -> SolutionExplorer: ...
+def explore(
+    shape: Shape | Field | StatedProblem,
+    fields: Sequence[str] = SIX,
+    *,
+    axis: Any = None,
+    bounds: Any = None,
+    resolution: int = 160,
+) -> Explorer | SolutionExplorer:
     """A slider for each letter, driving the sheet of six fields or the shaded body.
 
     A shape in the plane shows its sheet, or the body that it sweeps when it turns
-    about `axis`; a shape in space its body, or the sheet of a section.
+    about `axis`; a shape in space its body, or the sheet of a section. What `solve`, `modes`, `torsion` or
+    `elasticity` answered is found anew for the letters as they stand, with nothing compiled, and shows its picture.
 
     Parameters
     ----------
-    shape : Shape
-        With letters; a slider spans the range of its letter, or 0 to twice its default.
+    shape : Shape, Solution, Spectrum, Torsion, ElasticSolution or StatedProblem
+        With letters; a slider spans the range of its letter, or 0 to twice its default. A problem of `load_problem` is
+        solved first, refined as ``problem.solve()`` is.
     fields : sequence of str
-        Scalar fields of the sheet; it can be changed in the widget.
+        Scalar fields of the sheet; it can be changed in the widget. Of a solution those to choose from: "value",
+        "gradient_squared", "laplacian", by default all.
     axis : symbol, optional
         The axis of revolution of a plane shape, by default its first coordinate.
     bounds
@@ -50,11 +75,14 @@ def explore(
         could not be. ``.view.value`` is ``"sheet"`` or ``"body"``; ``.picture`` is the widget that shows it,
         ``.camera`` the sliders of elevation and azimuth. ``.page()`` is a page with live letters that needs
         no Python; a notebook keeps it when it becomes HTML, and ``rsym.write(shape, "page.html")`` makes it a file.
+        That of a solution has ``.found``, the solution at these letters, ``.field`` and ``.steady``: whether colours
+        stay what they are.
 
     Raises
     ------
     RsymError
-        If ipywidgets is not installed, no bounds are found for it, or the resolution is no number of cells.
+        If ipywidgets is not installed, no bounds are found for it, the resolution is no number of cells, or a solution
+        has no letters.
 
     Examples
     --------
@@ -64,6 +92,14 @@ def explore(
     >>> widget.values["a2"], widget.message.value
     (6.0, '')
     """
+    if isinstance(shape, (*FIELDS, StatedProblem)):
+        if axis is not None:
+            raise RsymError("a solution knows its axis", code="axis", remedy="leave axis= out")
+        with _widgets_needed():
+            from rsym.output.solution_explorer import SolutionExplorer
+        solution = shape.solve() if isinstance(shape, StatedProblem) else shape
+        names = GIVEN_FIELDS if fields is SIX else fields
+        return SolutionExplorer(solution, names, bounds=bounds, resolution=resolution)
     require_shape(shape)
     with _widgets_needed():
         from rsym.output.explorer import Explorer

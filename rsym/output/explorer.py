@@ -160,7 +160,7 @@ class Explorer(LetterSliders):
         for widget in changing:
             widget.observe(self.redraw, "value")
         for coordinate in self.section[:1]:
-            coordinate.observe(self._move_section, "value")
+            coordinate.observe(lambda _: move_section(self, self.section, self._box), "value")
         self.reset.on_click(lambda _: self.attempt(self.reset_letters))
         self.save.on_click(lambda _: self.attempt(lambda: save_letters(self.values, self.path.value)))
         self.load.on_click(lambda _: self.attempt(lambda: self.set_letters(load_letters(self.path.value))))
@@ -206,13 +206,6 @@ class Explorer(LetterSliders):
         elevation, azimuth = (slider.value for slider in self.camera)
         figure: Figure = self._views[cells].draw(self.values, elevation=elevation, azimuth=azimuth)
         return figure
-
-    def _move_section(self, _: Any) -> None:
-        """The slider of the section over the sides of the box along the new coordinate."""
-        coordinate, place = self.section
-        with self.together(), place.hold_trait_notifications():
-            place.min, place.max = self._box[coordinate.value]
-            place.value = (place.min + place.max) / 2
 
 
 class PatchExplorer(LetterSliders):
@@ -302,6 +295,14 @@ def section_choice(box: Mapping[str, tuple[float, float]]) -> tuple[Any, Any]:
     low, high = box[names[-1]]
     coordinate = ipywidgets.Dropdown(options=names, value=names[-1], description="section", layout={"width": "12em"})
     return coordinate, _slider((low + high) / 2, low, high, "at", "where the section lies")
+
+
+def move_section(widget: LetterSliders, section: tuple[Any, ...], box: Mapping[str, tuple[float, float]]) -> None:
+    """The slider of a section over the sides of a box along its new coordinate."""
+    coordinate, place = section
+    with widget.together(), place.hold_trait_notifications():
+        place.min, place.max = box[coordinate.value]
+        place.value = (place.min + place.max) / 2
 
 
 def camera_sliders(elevation: float, azimuth: float) -> tuple[Any, Any]:

@@ -26,8 +26,12 @@ from rsym.output.sign_pictures import draw_signs
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import LevelLines, trace
-from rsym.sampling.plane import GIVEN, GivenField, PlaneSampler, checked_scalar, plane_sampler
+from rsym.sampling.plane import GivenField, PlaneSampler, checked_scalar, plane_sampler
 from rsym.sampling.progress import Progress, tell
+
+# The Laplacian of what is harmonic is the error of its second derivatives: drawn where it is asked for.
+GIVEN_SHEET = ("value", "gradient_squared")
+GIVEN_TITLES = {"value": "$u$", "gradient_squared": r"$|\nabla u|^2$", "laplacian": r"$\Delta u$"}
 
 
 def plot_field(
@@ -59,8 +63,9 @@ def plot_field(
         A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one: then the outside
         is white, and named parts of the boundary have colours and a legend where there are several.
     field : str
-        A scalar field of `compile`; or "sign", the inside in one colour: at each place only what matters there is
-        evaluated, and of a shape of thousands of operations that is little.
+        A scalar field of `compile`, of a solution "value", "gradient_squared" or "laplacian"; or "sign", the inside in
+        one colour: at each place only what matters there is evaluated, and of a shape of thousands of operations that
+        is little.
     ax : matplotlib axes, optional
         Where to draw; without it a new figure with a colour bar is made.
     levels : sequence of float, optional
@@ -110,14 +115,15 @@ def plot_field(
     """
     field_on = shape
     if isinstance(shape, GivenField):
-        shape, outside, title = shape.shape, outside or "mask", title or f"${GIVEN}$"
+        shape, outside, title = shape.shape, outside or "mask", title or GIVEN_TITLES.get(field)
     require_shape(shape)
     look = Look(levels, limits, colour_map, outside)
     if field == "sign":
         return draw_signs(shape, ax, look, title, resolution, bounds, letters, section)
     options: Any = {"resolution": resolution, "bounds": bounds, "letters": letters, "section": section, "force": force}
     sampler = plane_sampler(field_on, field, **options)
-    omega = sampler if sampler.field == "value" else plane_sampler(shape, "value", **options)
+    alike = sampler.field == "value" and field_on is shape
+    omega = sampler if alike else plane_sampler(shape, "value", **options)
     values = sampler.values()
     logic = values if omega is sampler else omega.values()
     chosen = look.levels_of(values, sampler.field, logic > 0)
@@ -142,7 +148,7 @@ def plot_field(
 
 
 def plot_fields(
-    shape: Shape,
+    shape: Shape | GivenField,
     fields: Sequence[str] = SIX,
     *,
     figure: Figure | SubFigure | None = None,
@@ -170,6 +176,8 @@ def plot_fields(
         ``layout="compressed"`` colour bars are as tall as their panels.
     levels, limits, titles : mapping, optional
         By the names of fields what `plot_field` takes for each.
+    fields : sequence of str
+        Of a solution "value" and "gradient_squared", by default, and "laplacian".
     shape, resolution, bounds, letters, section, colour_map, outside, force
         As for `plot_field`, with its errors and warnings.
 
@@ -187,19 +195,28 @@ def plot_fields(
     >>> print(*(ax.get_title() for ax in figure.axes[:2]))
     a disc $\omega_n$
     """
+    field_on = shape
+    if isinstance(shape, GivenField):
+        shape, outside = shape.shape, outside or "mask"
+        fields = GIVEN_SHEET if fields is SIX else fields
     require_shape(shape)
     names = checked_fields(fields)
     look = Look(_by_field(levels, names, "levels"), _by_field(limits, names, "limits"), colour_map, outside)
-    named = {**TITLES, **_by_field(titles, names, "titles")}
+    given = field_on is not shape
+    named = {**(GIVEN_TITLES if given else TITLES), **_by_field(titles, names, "titles")}
     tell(progress, "compiling", 0, len(names))
-    sampler = sheet_sampler(shape, names, resolution=resolution, bounds=bounds, section=section, force=force)
+    options: Any = {"resolution": resolution, "bounds": bounds, "section": section, "force": force}
+    sampler = None if given else sheet_sampler(shape, names, **options)
     tell(progress, "sampling", 0, len(names))
-    samples = sampler.at(letters)
+    samples = _given_samples(field_on, names, letters, **options) if sampler is None else sampler.at(letters)
     drawn = page(figure, layout="compressed")
     Sheet(drawn, samples, look, named, sized=figure is None).draw(samples, progress)
     omega = samples.omega
     remarks = [missing_boundary(shape, samples.sampler, omega, samples.boundary)]
-    remarks += [undefined_picture(name, values) for name, values in samples.fields.items()]
+    remarks += [
+        undefined_picture(name, np.where(omega > 0, values, 0.0) if given else values)
+        for name, values in samples.fields.items()
+    ]
     for remark in filter(None, remarks):
         warn(remark)
     return whole(drawn)
@@ -323,6 +340,16 @@ def sheet_sampler(
         shape, "value", resolution=resolution, bounds=bounds, section=section, held=len(names), force=force
     )
     return SheetSampler(omega, replace(omega, given=compile(shape, names)))
+
+
+def _given_samples(
+    field_on: Any, names: Sequence[str], letters: Mapping[Any, float] | None, **options: Any
+) -> SheetSamples:
+    """Fields of a solution, and omega of its shape."""
+    values = {name: plane_sampler(field_on, name, letters=letters, **options).values() for name in names}
+    omega = plane_sampler(field_on.shape, "value", **options)
+    logic = omega.values()
+    return SheetSamples(omega, values, logic, trace(omega, 0.0, values=logic))
 
 
 def _arrangement(sampler: PlaneSampler, count: int) -> tuple[int, int, tuple[float, float]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rsym.atomic import write_atomically
 from rsym.errors import RsymError
@@ -13,6 +14,8 @@ from rsym.model.shape import Shape
 from rsym.model.wording import documented
 from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.dxf import features_dxf
+from rsym.output.exchange import Resolution, vtu_of_field
+from rsym.output.field_data import FIELDS, Field
 from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
 from rsym.output.images import Image
 from rsym.output.units import check_unit, sized
@@ -23,17 +26,20 @@ from rsym.verify.answers.singular import SingularCurve
 
 @documented(formats=table_of_formats(), coloured=coloured_formats().replace(" or ", "`` and ``"))
 def write(
-    mesh: Mesh | Image | Shape,
+    mesh: Mesh | Image | Shape | Field,
     path: str | os.PathLike[str],
     *,
     unit: str | None = None,
     size: float | str | None = None,
     scale: float | None = None,
     colour_by: str | None = None,
+    resolution: int | Sequence[int] | None = None,
 ) -> Path:
     """Write a mesh to a file, in the format that the suffix names; a rendered picture as ``.png``; a shape as a page.
 
-    The page of a shape, ``.html``, has a slider for each letter.
+    The page of a shape, ``.html``, has a slider for each letter. What `solve`, `modes`, `torsion` or `elasticity`
+    answered is written as ``.vtu`` of ParaView, on cells that fill the shape; `to_meshio` tells which, and the names of
+    the data.
 
     {formats}
 
@@ -48,9 +54,9 @@ def write(
 
     Parameters
     ----------
-    mesh : Mesh, Image or Shape
+    mesh : Mesh, Image, Shape, Solution, Spectrum, Torsion or ElasticSolution
         The triangles, in the order and with the orientation of ``mesh.faces``; or what `render` gave, which takes none
-        of the options; or a shape, which is written as ``.html`` alone.
+        of the options; or a shape, which is written as ``.html`` alone; or a field, which takes `resolution` alone.
     path : str or path-like
         Where to; the folder must exist.
     unit : {"mm", "cm", "m", "in"}, optional
@@ -61,6 +67,8 @@ def write(
         How many units one unit of the model becomes, in place of `size`; by default 1.
     colour_by : "part", optional
         Give each part its colour, and in ``.glb`` an object of its name: only in ``{coloured}``.
+    resolution : int or one for each axis, optional
+        Of a field: cells along the longest side; 160 in the plane and 32 in space without it.
 
     Returns
     -------
@@ -95,13 +103,16 @@ def write(
     3 1 2 3
     <BLANKLINE>
     """
+    of_a_mesh = unit, size, scale, colour_by
     if isinstance(mesh, Image):
-        if (unit, size, scale, colour_by) != (None, None, None, None):
+        if any(option is not None for option in (*of_a_mesh, resolution)):
             raise RsymError("a picture has neither units nor sizes", code="picture", remedy="give the path alone")
         return mesh.save(path)
     path = file_path(path)
+    if isinstance(mesh, FIELDS):
+        return _write_field(mesh, path, resolution, *of_a_mesh)
     if isinstance(mesh, Shape):
-        return _write_page(mesh, path, unit, size, scale, colour_by)
+        return _write_page(mesh, path, *of_a_mesh, resolution)
     require_kind(Mesh, mesh, "mesh")
     row = FORMATS.get(path.suffix.lower())
     if colour_by not in (None, "part") or (colour_by and not (row and row.coloured)):
@@ -118,12 +129,27 @@ def write(
             where=str(path),
             remedy=f"end the name with one of: {', '.join(FORMATS)}",
         )
+    if resolution is not None:
+        raise RsymError(
+            "a mesh has the resolution it was made with", code="resolution", remedy="rsym.mesh(shape, resolution)"
+        )
     mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
     encode = row.coloured if colour_by and row.coloured else row.encode
     return write_atomically(path, encode(mesh, unit))
 
 
-def _write_page(shape: Shape, path: Path, *of_a_mesh: float | str | None) -> Path:
+def _write_field(field: Field, path: Path, resolution: Resolution, *of_a_mesh: float | str | None) -> Path:
+    if path.suffix.lower() != ".vtu" or any(option is not None for option in of_a_mesh):
+        raise RsymError(
+            "a field is written as .vtu, without options of a mesh",
+            code="file-format",
+            where=str(path),
+            remedy="end the name with .vtu; rsym.to_meshio(field).write(path) has other formats",
+        )
+    return write_atomically(path, vtu_of_field(field, resolution))
+
+
+def _write_page(shape: Shape, path: Path, *of_a_mesh: Any) -> Path:
     if path.suffix.lower() != ".html" or any(option is not None for option in of_a_mesh):
         raise RsymError(
             "a shape is written as .html, without options of a mesh",

@@ -17,6 +17,7 @@ from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.output import axes3d
+from rsym.output.boundaries import LEGEND, draw_parts
 from rsym.output.looks import Look
 from rsym.output.panels import colour_bar, draw_levels, dress, named
 from rsym.output.pictures import checked_titles, page, whole
@@ -26,7 +27,7 @@ from rsym.sampling.blanks import missing_boundary
 from rsym.sampling.contours import trace
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.sampling.plane import PlaneSampler, plane_sampler
+from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler
 from rsym.sampling.progress import Progress, report
 
 PLANE_RESOLUTION, SPACE_RESOLUTION = 300, 192
@@ -45,7 +46,7 @@ class _Panel:
 
 
 def plot_sweep(
-    shape: Shape,
+    shape: Shape | GivenField,
     letter: Any,
     values: Sequence[float],
     *,
@@ -69,12 +70,13 @@ def plot_sweep(
 
     A shape in the plane, or a section, is drawn by the level lines of omega, with
     the boundary heavy and with the same levels and colours in all panels; a shape
-    in space as shaded bodies in the same box, seen by the same camera.
+    in space as shaded bodies in the same box, seen by the same camera. A solution is
+    found anew for each value, with nothing compiled, and drawn on its shape there.
 
     Parameters
     ----------
-    shape : Shape
-        What to draw; `revolve` a plane shape first to see bodies.
+    shape : Shape or Solution
+        What to draw; `revolve` a plane shape first to see bodies. A solution in space needs a section.
     letter : str or symbol
         The letter that changes.
     values : sequence of float
@@ -114,7 +116,16 @@ def plot_sweep(
     >>> figure = rsym.plot_sweep(rsym.paper.skeleton_body(), "p1", [20, 40], resolution=32)
     >>> print(*(ax.get_title() for ax in figure.axes[:2]))
     $p_{1} = 20$ $p_{1} = 40$
+    >>> import sympy
+    >>> r = sympy.Symbol("r")
+    >>> u = rsym.solve(rsym.disc(r, letters={r: 1}), "-laplacian(u) = 1", 0, cells=8)
+    >>> figure = rsym.plot_sweep(u, r, [1, 2], resolution=32)
+    >>> print(*(ax.get_title() for ax in figure.axes[:2]))
+    $r = 1$ $r = 2$
     """
+    field_on = shape
+    if isinstance(shape, GivenField):
+        shape, outside = shape.shape, outside or "mask"
     require_shape(shape)
     name = str(letter)
     look = Look(levels, limits, colour_map, outside)
@@ -124,12 +135,15 @@ def plot_sweep(
     headings = checked_titles(titles, [panel.title for panel in panels])
     panels = [replace(panel, title=title) for panel, title in zip(panels, headings, strict=True)]
     count = _columns(columns, len(panels))
-    if shape.dimension == 2 or section:
+    if shape.dimension == 2 or section or isinstance(field_on, GivenField):
         cells = PLANE_RESOLUTION if resolution is None else resolution
-        sampler = plane_sampler(
-            shape, "value", resolution=cells, bounds=bounds, section=section, held=len(panels), force=force
-        )
-        return _plane(shape, sampler, panels, count, look, figure, progress)
+        options: Any = {"resolution": cells, "section": section, "held": len(panels), "force": force}
+        if isinstance(field_on, GivenField):
+            pairs = _solved(field_on, panels, bounds, options, progress)
+        else:
+            sampler = plane_sampler(shape, "value", bounds=bounds, **options)
+            pairs = [(one, one) for one in (sampler.at(panel.letters) for panel in panels)]
+        return _plane(pairs, panels, count, look, figure, progress)
     cells = SPACE_RESOLUTION if resolution is None else resolution
     bodies = []
     for done, panel in enumerate(panels):
@@ -164,38 +178,62 @@ def _columns(columns: int | None, count: int) -> int:
     return min(columns, count)
 
 
+def _solved(
+    field_on: GivenField, panels: Sequence[_Panel], bounds: Any, options: Any, progress: Progress | None
+) -> list[tuple[PlaneSampler, PlaneSampler]]:
+    """The solution and omega of its shape at the letters of each panel, within bounds that hold all of them."""
+    found = []
+    for panel in panels:
+        report(progress, 0, len(panels))
+        with named(panel.label):
+            found.append(field_on.with_letters(panel.letters))
+    if bounds is None:
+        views = [plane_sampler(one.shape, "value", **options).bounds for one in (field_on, *found)]
+        low, high = np.array(views)[..., 0].min(axis=0), np.array(views)[..., 1].max(axis=0)
+        bounds = tuple(zip(low.tolist(), high.tolist(), strict=True))
+    options = {**options, "bounds": bounds}
+    return [(plane_sampler(one, "value", **options), plane_sampler(one.shape, "value", **options)) for one in found]
+
+
 def _plane(
-    shape: Shape,
-    sampler: PlaneSampler,
+    pairs: Sequence[tuple[PlaneSampler, PlaneSampler]],
     panels: Sequence[_Panel],
     columns: int,
     look: Look,
     figure: Figure | SubFigure | None,
     progress: Progress | None,
 ) -> Figure:
-    samplers = [sampler.at(panel.letters) for panel in panels]
-    samples = [one.values() for one in samplers]
-    together = np.concatenate(samples)
-    levels = look.levels_of(together, "value", together > 0)
+    """What is drawn, and omega, in panels with the same levels."""
+    sampler = pairs[0][0]
+    samples = [one.values() for one, _ in pairs]
+    logics = [values if omega is one else omega.values() for values, (one, omega) in zip(samples, pairs, strict=True)]
+    levels = look.levels_of(np.concatenate(samples), sampler.field, np.concatenate(logics) > 0)
     rows = -(-len(panels) // columns)
     sides = np.array(sampler.lattice.spacing) * sampler.lattice.counts
     width, height = PANEL * sides / sides.max()
     size = (columns * (width + 0.4) + 0.8, rows * (height + 0.55))
     drawn = page(figure, layout="compressed", size=size)
     axes = drawn.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    for done, (ax, one, values, panel) in enumerate(zip(axes.flat, samplers, samples, panels, strict=False)):
+    parts: dict[str, Any] = {}
+    for done, (ax, (one, omega), values, logic, panel) in enumerate(
+        zip(axes.flat, pairs, samples, logics, panels, strict=False)
+    ):
         report(progress, done, len(panels))
         with named(panel.label):
-            boundary = trace(one, 0.0, values=values)
-            artist = draw_levels(ax, one, values, levels, boundary, look, values)
-            remark = missing_boundary(shape, one, values, boundary)
+            boundary = trace(omega, 0.0, values=logic)
+            artist = draw_levels(ax, one, values, levels, boundary, look, logic)
+            remark = missing_boundary(omega.shape, omega, logic, boundary)
             if remark:
                 warn(remark)
+            if omega is not one:
+                parts |= {str(artist.get_label()): artist for artist in draw_parts(ax, omega, legend=False)}
         dress(ax, one, panel.title)
         ax.label_outer()
     for ax in axes.flat[len(panels) :]:
         ax.set_axis_off()
     colour_bar(artist, *axes.flat, rows=rows)
+    if parts:
+        drawn.legend(handles=list(parts.values()), loc="outside lower center", ncols=len(parts), **LEGEND)
     report(progress, len(panels), len(panels))
     return whole(drawn)
 

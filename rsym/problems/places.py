@@ -17,6 +17,7 @@ from rsym.problems.conditions import Name, assigned
 from rsym.problems.problem import vanished
 from rsym.problems.splines.web import WebSplines
 from rsym.sampling.extent import extent
+from rsym.sampling.plane import bounds_of_view
 from rsym.sampling.rules.quadrature import Quadrature, quadrature
 
 # Of the size of the shape: points of the boundary are known to rounding.
@@ -51,12 +52,12 @@ def rule_on(
 
 
 def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:
-    """The shape at other letters, within bounds of its own there where it has any: those of before may cut it."""
+    """The shape at other letters, within bounds about it there where it has any: those of before may cut it."""
     changed = shape.with_letters(values)
     if changed.bounds is None or changed.letters == shape.letters:
         return changed
     with suppress(RsymError):
-        return changed.replace(bounds=extent(changed))
+        return changed.replace(bounds=bounds_of_view(changed.replace(bounds=None), None, None))
     return changed
 
 

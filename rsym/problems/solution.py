@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
@@ -12,7 +12,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Flags, Floats
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
@@ -227,14 +227,20 @@ class Solution:
 
     def hessian(self, *coordinates: ArrayLike) -> Any:
         """The second derivatives (..., dimension, dimension) at points: of a plate, its curvatures."""
-        found, n = self._field(coordinates, 2), self.problem.dimension
-        every = derivatives(n, 2)
-        places = [[every.index(tuple((k == i) + (k == j) for k in range(n))) for j in range(n)] for i in range(n)]
-        return np.moveaxis(found[np.array(places)], (0, 1), (-2, -1))
+        return np.moveaxis(self._field(coordinates, 2)[self._second_places()], (0, 1), (-2, -1))
+
+    def _second_places(self) -> Ints:
+        """Where the second derivatives (dimension, dimension) stand among all up to this order."""
+        axes = range(self.problem.dimension)
+        every = derivatives(self.problem.dimension, 2)
+        return np.array([[every.index(tuple((k == i) + (k == j) for k in axes)) for j in axes] for i in axes])
 
     def laplacian(self, *coordinates: ArrayLike) -> Any:
         """The Laplacian at points; about an axis that of the body in space."""
-        found = self._field(coordinates, 2)
+        return self._laplacian(self._field(coordinates, 2), coordinates)
+
+    def _laplacian(self, found: Floats, coordinates: Sequence[ArrayLike]) -> Any:
+        """The Laplacian, of the derivatives up to the order 2 at points."""
         every = derivatives(self.problem.dimension, 2)
         total = sum(found[k] for k, index in enumerate(every) if 2 in index)
         axis = self.problem.axis
@@ -246,14 +252,27 @@ class Solution:
             pure = found[every.index(tuple(2 * (k == 1 - axis) for k in range(2)))]
             return total + np.where(radius == 0, pure, found[1 + (1 - axis)] / radius)
 
-    def sampled(self, *coordinates: Any, letters: Mapping[Any, float] | None = None) -> dict[str, Any]:
-        """Value and gradient at points, for pictures: also beside the shape, in the cells that it touches, else NaN."""
+    def sampled(
+        self, *coordinates: Any, field: str = "value", letters: Mapping[Any, float] | None = None
+    ) -> dict[str, Any]:
+        """One of `drawn` and its gradient at points, for pictures: also in cells that the shape touches, else NaN.
+
+        The gradient of the Laplacian is not known: it is NaN.
+        """
+        n = self.problem.dimension
         arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
         points = np.stack([array.ravel() for array in arrays], axis=1)
-        found, on = np.full((1 + self.problem.dimension, len(points)), np.nan), self.splines.carried(points)
-        found[:, on] = self.jets(points[on], 1)
-        parts = found.reshape(-1, *arrays[0].shape)
-        return {"value": parts[0], "gradient": np.moveaxis(parts[1:], 0, -1)}
+        order = 1 if field == "value" else 2
+        found, on = np.full((len(derivatives(n, order)), len(points)), np.nan), self.splines.carried(points)
+        found[:, on] = self.jets(points[on], order)
+        value, gradient = found[0], found[1 : 1 + n]
+        if field == "gradient_squared":
+            second = np.einsum("jn,ijn->in", gradient, found[self._second_places()])
+            value, gradient = np.sum(gradient**2, axis=0), 2 * second
+        elif field == "laplacian":
+            value, gradient = self._laplacian(found, list(points.T)), np.full_like(gradient, np.nan)
+        shape = arrays[0].shape
+        return {"value": value.reshape(shape), "gradient": np.moveaxis(gradient.reshape(n, *shape), 0, -1)}
 
     def _field(self, coordinates: tuple[ArrayLike, ...], order: int) -> Floats:
         return on_shape(self.shape, self.splines, coordinates, lambda points: self.jets(points, order))

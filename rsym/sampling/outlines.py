@@ -27,13 +27,20 @@ SMOOTH_JOINT = 1e-2
 
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     """The lines omega = 0 of a prepared plane."""
-    signs = sampler.signs()
+    return outline_on_edges(sampler, leaves, sampler.signs())[0]
+
+
+def outline_on_edges(
+    sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats
+) -> tuple[LevelLines, tuple[Floats, ...]]:
+    """The lines omega = 0, and of each the indices (n, 2) of the middles of the edges it crosses; NaN at corners."""
     if np.isnan(signs).all():
         raise RsymError("omega is undefined in all of the plane", code="undefined", remedy="choose other bounds")
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
     found = [line[::-1] for line in index_lines(signs, 0.0)]
     cell = min(sampler.lattice.spacing)
-    points = _on_edges(sampler, leaves, np.concatenate([*found, np.empty((0, 2))]))
+    index = np.concatenate([*found, np.empty((0, 2))])
+    points = _on_edges(sampler, leaves, index)
     distance, leaf = leaves.distance(points)
     starts = np.cumsum([0, *map(len, found)])
     joints = np.flatnonzero(np.diff(leaf))
@@ -41,7 +48,10 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1]), cell)
     places = joints[corners.joint] + 1
     ends = starts + np.searchsorted(places, starts)
-    lines = tuple(np.split(np.insert(points, places, corners.points, axis=0), ends[1:-1])) if found else ()
+    lines, edges = (
+        tuple(np.split(np.insert(rows, places, new, axis=0), ends[1:-1])) if found else ()
+        for rows, new in ((points, corners.points), (index, np.full(corners.points.shape, np.nan)))
+    )
     closed = sum(bool((line[0] == line[-1]).all()) for line in found)
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
@@ -51,7 +61,7 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
         open=len(found) - closed,
         unresolved_corners=corners.missed,
     )
-    return LevelLines(lines, 0.0, "value", status)
+    return LevelLines(lines, 0.0, "value", status), edges
 
 
 def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floats:

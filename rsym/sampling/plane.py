@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -38,11 +38,17 @@ class GivenField(Protocol):
     def shape(self) -> Shape:
         """What it is a field on."""
 
-    def sampled(self, *coordinates: Any, letters: Mapping[Any, float] | None = None) -> dict[str, NDArray[Any]]:
-        """Its value and gradient at points, as a kernel gives those of a shape; beside the shape as it goes on."""
+    def sampled(
+        self, *coordinates: Any, field: str = "value", letters: Mapping[Any, float] | None = None
+    ) -> dict[str, NDArray[Any]]:
+        """One of `GIVEN_FIELDS` with its gradient at points, as a kernel has them; beside the shape as it goes on."""
+
+    def with_letters(self, values: Mapping[Any, float]) -> GivenField:
+        """The same for other letters."""
 
 
 GIVEN = "u"  # what such a field is called
+GIVEN_FIELDS = ("value", "gradient_squared", "laplacian")
 
 
 @dataclass(frozen=True)
@@ -158,15 +164,19 @@ def plane_sampler(
     where the caller cannot be.
     """
     checked_scalar(field)
-    on, given = (shape.shape, shape.sampled) if isinstance(shape, GivenField) else (shape, None)
+    on, given = (shape.shape, partial(shape.sampled, field=field)) if isinstance(shape, GivenField) else (shape, None)
     if given is not None:
-        if field != "value":
-            raise RsymError(f"a solution is drawn itself, not its {field}", code="unknown-field", remedy="leave it out")
+        if field not in GIVEN_FIELDS:
+            raise RsymError(
+                f"a solution has no field {field!r}",
+                code="unknown-field",
+                remedy=f"choose from {', '.join(GIVEN_FIELDS)}; solution.shape has those of the shape",
+            )
         if letters:
             raise RsymError(
                 "a solution is one for its letters", code="letters", remedy="draw solution.with_letters({...})"
             )
-        field = GIVEN
+        field = GIVEN if field == "value" else field
     if field == "curvature" and section:
         on, bounds = plane_section(on, section, bounds)
         section = None
@@ -255,14 +265,14 @@ def _lattice_of_view(
     """The bounds of the free coordinates, and a lattice over them."""
     box = bounds
     if bounds is None or len(bounds) == len(shape.coordinates):
-        whole = _bounds_of_view(shape, bounds, letters)
+        whole = bounds_of_view(shape, bounds, letters)
         box = tuple(whole[k] for k in free)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
     return flat.bounds, lattice_over(flat.bounds, resolution, math.inf)
 
 
-def _bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
+def bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
     """The bounds given, else the shape's own, else its extent and some surroundings."""
     chosen = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     if chosen is not None:

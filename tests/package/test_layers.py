@@ -73,6 +73,7 @@ OPTIONAL = {
     "rsym.sampling.mesher": "numba may be missing",
     "rsym.sampling.triangles": "numba may be missing",
     "rsym.output.explorer": "ipywidgets may be missing",
+    "rsym.output.solution_explorer": "ipywidgets may be missing",
 }
 # A command imports what it needs when it runs: `rsym --help` answers at once.
 AT_CALL = ("rsym.commands.", "rsym.cli")

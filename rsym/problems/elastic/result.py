@@ -40,6 +40,12 @@ class PlaneTensor(NamedTuple):
     xy: Any
     zz: Any
 
+    @property
+    def von_mises(self) -> Any:
+        """Von Mises's number, ``sqrt(3/2 s:s)`` of the deviator s."""
+        xx, yy, xy, zz = self
+        return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ElasticSolution:
@@ -120,12 +126,11 @@ class ElasticSolution:
 
     def stress(self, *coordinates: ArrayLike) -> PlaneTensor:
         """The stresses at points; zz is 0 in plane stress."""
-        return PlaneTensor(*on_shape(self.shape, self.splines, coordinates, self._stresses))
+        return PlaneTensor(*on_shape(self.shape, self.splines, coordinates, self.stresses))
 
     def von_mises(self, *coordinates: ArrayLike) -> Any:
         """Von Mises's stress, ``sqrt(3/2 s:s)`` of the deviator s of the stresses."""
-        xx, yy, xy, zz = self.stress(*coordinates)
-        return np.sqrt(((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * xy**2)
+        return self.stress(*coordinates).von_mises
 
     def principal_stresses(self, *coordinates: ArrayLike) -> Any:
         """The principal stresses (..., 2) in the plane, the greater one first; the third one is ``stress(...).zz``."""
@@ -133,7 +138,8 @@ class ElasticSolution:
         middle, radius = (xx + yy) / 2, np.hypot((xx - yy) / 2, xy)
         return np.stack((middle + radius, middle - radius), axis=-1)
 
-    def _stresses(self, points: Floats) -> Floats:
+    def stresses(self, points: Floats) -> Floats:
+        """The stresses (4, n) in the order of `PlaneTensor` at points (n, 2), whether inside or not."""
         first, shear = self.body.moduli(points)
         (xx, xy), (_, yy) = Equilibrium.stress(self.jets(points), (first, shear))
         # In plane strain the first of Lame's numbers is that of space.
