@@ -30,6 +30,7 @@ from rsym.problems.equations import EllipticEquation, negated
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
+from rsym.problems.systems.borders import Beside
 from rsym.program.lowering import lower
 
 VALUE, FLUX = "value", "flux"
@@ -125,14 +126,25 @@ class Problem:
 
     def extras(self, points: Floats, order: int) -> Floats:
         """Their derivatives (kinds, functions, n)."""
-        kinds = len(derivatives(self.dimension, order))
-        found = [np.zeros((kinds, 0, len(points)))]
+        found = np.zeros((len(derivatives(self.dimension, order)), self.extra_count, len(points)))
+        for one in self.beside(points):
+            found[:, one.numbers, one.where] = one.derivatives(points[one.where], order).transpose(1, 2, 0)
+        return found
+
+    def beside(self, points: Floats) -> tuple[Beside, ...]:
+        """The same functions in groups, levels and each corner, where they are not 0."""
+        found = []
         if self.levels:
-            values = self._with_derivatives("extra", order, lambda: self.extra_nodes)(points)
-            found.append(values.reshape(len(self.levels), kinds, -1).transpose(1, 0, 2))
+            found.append(Beside(0, len(self.levels), np.arange(len(points)), self._levels_at))
         if self.corners is not None:
-            found.append(self.corners.functions.derivatives(points, order))
-        return np.ascontiguousarray(np.concatenate(found, axis=1))
+            for first, part, near in self.corners.functions.near(points):
+                found.append(Beside(len(self.levels) + first, len(part.terms), near, part.derivatives))
+        return tuple(found)
+
+    def _levels_at(self, points: Floats, order: int) -> Floats:
+        """The derivatives (n, kinds, functions) of the functions e."""
+        values = self._with_derivatives("extra", order, lambda: self.extra_nodes)(points)
+        return np.ascontiguousarray(values.reshape(len(self.levels), -1, len(points)).transpose(2, 1, 0))
 
     def leaf_jets(self, points: Floats, order: int) -> Floats:
         """The derivatives (leaves, kinds, n) of all leaves of the form at points."""

@@ -213,8 +213,8 @@ class Solution:
             lift = self.problem.lift(order)
             if lift is not None:
                 found[:, some] += lift(here)
-            if len(self.others):
-                found[:, some] += np.einsum("f,kfn->kn", self.others, self.problem.extras(here, order))
+            for one in self.problem.beside(here):
+                found[:, first + one.where] += (one.derivatives(here[one.where], order) @ self.others[one.numbers]).T
         return found
 
     def __call__(self, *coordinates: ArrayLike) -> Any:

@@ -231,7 +231,7 @@ def cell_loads(
 
 @loop
 def apply_forms(forms: Floats, functions: Floats, out: Floats) -> None:
-    """The loads (n, kinds, functions) that forms (n, kinds, kinds) make of functions (kinds, functions, n)."""
+    """The loads (n, kinds, functions) that forms (n, kinds, kinds) make of functions (n, kinds, functions)."""
     for k in range(len(forms)):
         for i in range(out.shape[1]):
             for j in range(out.shape[2]):
@@ -240,19 +240,19 @@ def apply_forms(forms: Floats, functions: Floats, out: Floats) -> None:
                 value = forms[k, i, other]
                 if value != 0.0:
                     for j in range(out.shape[2]):
-                        out[k, i, j] += value * functions[other, j, k]
+                        out[k, i, j] += value * functions[k, other, j]
 
 
 @loop
 def tested_loads(functions: Floats, loads: Floats, out: Floats) -> None:
-    """Add the products of functions (kinds, functions, n) and loads (n, kinds, count) to out (count, functions)."""
+    """Add the products of functions (n, kinds, functions) and loads (n, kinds, count) to out (functions, count)."""
     for k in range(len(loads)):
-        for i in range(functions.shape[0]):
-            for f in range(functions.shape[1]):
-                value = functions[i, f, k]
+        for i in range(functions.shape[1]):
+            for f in range(functions.shape[2]):
+                value = functions[k, i, f]
                 if value != 0.0:
                     for j in range(loads.shape[2]):
-                        out[j, f] += value * loads[k, i, j]
+                        out[f, j] += value * loads[k, i, j]
 
 
 @step

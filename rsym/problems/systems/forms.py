@@ -80,8 +80,9 @@ class CellPoints:
             yield Chunk(cells[some], ends - ends[0], plain[some], slice(int(ends[0]), int(ends[-1])))
 
 
-FormAt: TypeAlias = Callable[[slice, Floats], Floats]  # which points, and these, to (n, kinds, kinds)
-LoadAt: TypeAlias = Callable[[slice, Floats], Floats]  # to (n, kinds, functions)
+Some: TypeAlias = slice | Ints  # which of the points of a rule
+FormAt: TypeAlias = Callable[[Some, Floats], Floats]  # which points, and these, to (n, kinds, kinds)
+LoadAt: TypeAlias = Callable[[Some, Floats], Floats]  # to (n, kinds, functions)
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class Assembler:
         terms = np.array(product_terms(splines.dimension, self.order), np.int64)
         out = np.empty((AT_ONCE, len(local), len(local)))
         sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
-        with self._pool() as pool:
+        with self.pool() as pool:
             for chunk in where.chunks():
                 points = np.ascontiguousarray(where.points[chunk.points])
                 given = np.ascontiguousarray(form(chunk.points, points))
@@ -146,10 +147,27 @@ class Assembler:
 
     def loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int = 1) -> Floats:
         """The loads (count, active) of so many linear forms."""
-        splines, local = self.splines, self._local
-        shape = np.array(splines.shape, np.int64)
-        terms = np.array(product_terms(splines.dimension, self.order), np.int64)
+        splines, shape = self.splines, np.array(self.splines.shape, np.int64)
         total = np.zeros((count, len(splines.active)))
+        for cells, out in self._cell_loads(where, load, tests, count):
+            gather_loads(cells, out, self._local, shape, splines.number, total)
+        return total
+
+    def columns(self, where: CellPoints, load: LoadAt, tests: Weight, count: int) -> sparse.csr_matrix:
+        """The same as columns (active, count): of few cells, as sparse as these are few."""
+        splines, rows, values = self.splines, [np.empty(0, np.int64)], [np.empty((0, count))]
+        for cells, out in self._cell_loads(where, load, tests, count):
+            places = np.moveaxis(cells[:, None] + self._local, -1, 0)
+            rows.append(splines.number[np.ravel_multi_index(tuple(places), splines.shape)].ravel())
+            values.append(out.transpose(0, 2, 1).reshape(-1, count))
+        row, column = np.concatenate(rows), np.arange(count)
+        entries = np.concatenate(values).ravel(), (np.repeat(row, count), np.tile(column, len(row)))
+        return sparse.coo_matrix(entries, (len(splines.active), count)).tocsr()
+
+    def _cell_loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int) -> Iterator[tuple[Ints, Floats]]:
+        """Some cells (n, dimension) after the others, and the loads (n, count, splines) of the splines on each."""
+        splines, local = self.splines, self._local
+        terms = np.array(product_terms(splines.dimension, self.order), np.int64)
         features = np.empty((self.kinds, len(local)))
         sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
         for chunk in where.chunks():
@@ -162,8 +180,7 @@ class Assembler:
             if len(whole):
                 whole_cell_loads(chunk.begins, pulled, whole, sums.everywhere, out)
             cell_loads(chunk.begins, cut, cells, points, pulled, *self._grid, self._table(), features, out)
-            gather_loads(cells, out, local, shape, splines.number, total)
-        return total
+            yield cells, out
 
     @cached_property
     def _local(self) -> Ints:
@@ -178,7 +195,8 @@ class Assembler:
         return np.empty((self.splines.dimension, self.order + 1, self.splines.degree + 1))
 
     @contextmanager
-    def _pool(self) -> Iterator[Executor | None]:
+    def pool(self) -> Iterator[Executor | None]:
+        """Threads; None for one."""
         count = checked_threads(self.threads)
         if count == 1:
             yield None
