@@ -21,7 +21,7 @@ from rsym.problems.plates import bending
 from rsym.problems.problem import Problem, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
-from rsym.problems.systems.borders import Border
+from rsym.problems.systems.borders import SystemBorder
 from rsym.problems.systems.cell_code import apply_forms
 from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, extended
 from rsym.sampling.rules.quadrature import Quadrature
@@ -72,10 +72,10 @@ class Discretisation:
         """The derivatives (kinds, functions, n) of the functions beside the splines."""
         return self.problem.extras(points, self.problem.order)
 
-    def border(self, where: CellPoints) -> Border:
+    def border(self, where: CellPoints) -> SystemBorder:
         """These functions at the points of a rule."""
         beside = self.problem.beside(where.points)
-        return Border(self.assembler, self.tests, where, beside, self.extra_count)
+        return SystemBorder(self.assembler, self.tests, where, beside, self.extra_count)
 
     # -- forms at points -------------------------------------------------------------------------------------------
 

@@ -360,7 +360,7 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
-    near = [] if problem.corners is None else [corner.point for corner in problem.corners.corners]
+    near = None if problem.corners is None else problem.corners.functions.grading
     rule = rule_on(problem.shape, problem.named, cells, order, near)
     if problem.axis >= 0:
         across = rule.points[:, 1 - problem.axis]

@@ -33,6 +33,7 @@ from rsym.model.shape import Shape
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.corners.leaf_jets import LeafJets, leaf_jets
 from rsym.problems.corners.singular_loops import LOG, corner_terms
+from rsym.sampling.rules.division import Grading
 
 CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
 MARGIN = 0.999  # of that radius, for what lies between the places
@@ -116,6 +117,18 @@ class CornerFunctions:
     def terms(self) -> tuple[Term, ...]:
         """What each function is."""
         return tuple(term for part in self.parts for term in part.terms)
+
+    @property
+    def grading(self) -> Grading:
+        """The corners, towards which cells are divided, and how the work of functions of any kind falls there.
+
+        That of a singular function grows with its gradient squared; of it and a smooth one with the gradient; the
+        weight is not smooth at a re-entrant corner.
+        """
+        points = np.array([part.corner.point for part in self.parts]).reshape(-1, 2)
+        least = np.array([part.terms[0].exponent for part in self.parts])
+        bent = np.array([part.corner.is_reentrant for part in self.parts])
+        return Grading(points, np.minimum(2 * least, np.where(bent, 2.0, 1 + least)))
 
     def at(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (n, k), gradients (n, 2, k) and Laplacians (n, k) at points (n, 2).

@@ -34,7 +34,7 @@ class Beside:
 
 
 @dataclass(frozen=True)
-class Border:
+class SystemBorder:
     """So many functions beside the splines of an assembler, at the points of a rule.
 
     tests : the derivatives of the weight of the splines.
