@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError, warn
-from rsym.logic.leaf_names import leaf_names
 from rsym.model.equation import checked_bounds
 from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
@@ -331,9 +330,8 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
             code="unbounded",
             remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
         )
-    names = leaf_names(form.plain, shape)
     own = 2 * shape.dimension if bounds is None and box is not None else 0
-    return Prepared(functions, known, names, form.owner, range(len(names) - own, len(names)))
+    return Prepared(functions, known, form.names, form.owner, range(len(form.names) - own, len(form.names)))
 
 
 def _grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
