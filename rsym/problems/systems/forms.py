@@ -20,8 +20,9 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import checked_threads
 from rsym.problems.splines.cardinals import derivatives, digits, pieces, product_terms
 from rsym.problems.splines.web import WebSplines
-from rsym.problems.systems.axis_sums import AxisSums
+from rsym.problems.systems.axis_sums import axis_sums
 from rsym.problems.systems.cell_code import (
+    LANES,
     cell_loads,
     cell_matrices,
     compressed,
@@ -110,8 +111,9 @@ class Assembler:
         offsets = digits(2 * splines.degree + 1, splines.dimension) - splines.degree
         stencil = np.zeros((len(splines.active), len(offsets)))
         terms = np.array(product_terms(splines.dimension, self.order), np.int64)
-        out = np.empty((AT_ONCE, len(local), len(local)))
-        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        wide = -(-len(local) // LANES) * LANES
+        out = np.empty((AT_ONCE, len(local), wide))
+        sums = axis_sums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
         with self.pool() as pool:
             for chunk in where.chunks():
                 points = np.ascontiguousarray(where.points[chunk.points])
@@ -134,7 +136,7 @@ class Assembler:
                         scratch = np.empty((2, sums.largest))
                         whole_cell_matrices(chunk.begins, pulled, some, *tables, symmetric, scratch, out)
                         return
-                    features = np.empty((2, self.kinds, len(local)))
+                    features = np.zeros((2, self.kinds, wide))
                     cell_matrices(
                         *(chunk.begins, some, cells, points, pulled, *self._grid, symmetric),
                         *(self._table(), features[0], features[1], out),
@@ -169,7 +171,7 @@ class Assembler:
         splines, local = self.splines, self._local
         terms = np.array(product_terms(splines.dimension, self.order), np.int64)
         features = np.empty((self.kinds, len(local)))
-        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        sums = axis_sums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
         for chunk in where.chunks():
             points = np.ascontiguousarray(where.points[chunk.points])
             given = np.ascontiguousarray(load(chunk.points, points))
@@ -189,7 +191,7 @@ class Assembler:
     @property
     def _grid(self) -> tuple[Floats, Floats, Floats, Ints, Ints]:
         kinds = np.array(derivatives(self.splines.dimension, self.order), np.int64)
-        return self.splines.lower, self.splines.size, pieces(self.splines.degree), self._local, kinds
+        return self.splines.lower, self.splines.size, pieces(self.splines.degree).T.copy(), self._local, kinds
 
     def _table(self) -> Floats:
         return np.empty((self.splines.dimension, self.order + 1, self.splines.degree + 1))
