@@ -76,7 +76,7 @@ class SystemBorder:
         found = [(across.row.astype(np.int64), across.col + one.first, across.data)]
         place = np.full(len(where.points), -1, np.int64)
         place[one.where] = np.arange(len(one.where))
-        for k in range(number if symmetric else 0, len(self.beside)):
+        for k in range(number + 1 if symmetric else len(self.beside)):
             other = self.beside[k]
             mine = place[other.where]
             common = np.flatnonzero(mine >= 0)
@@ -86,7 +86,7 @@ class SystemBorder:
                 tested_loads(theirs, loads if k == number else loads[mine[common]], block)
                 i, j = (part.ravel() for part in np.indices(block.shape))
                 found.append((i + other.first + self._active, j + one.first, block.ravel()))
-                if symmetric and k > number:
+                if symmetric and k < number:
                     found.append((j + one.first + self._active, i + other.first, block.ravel()))
         return tuple(np.concatenate(parts) for parts in zip(*found, strict=True))
 
