@@ -8,10 +8,11 @@ from operator import itemgetter
 
 import sympy as sp
 
-from rsym.logic.sign_form import SignForm, sign_form
+from rsym.logic.sign_form import SignForm, shape_form, sign_form
 from rsym.logic.stripping import scaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.nodes import Fold
+from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
 from rsym.program.builder import Builder
@@ -65,6 +66,17 @@ def leaf_parts(form: SignForm, shape: Shape) -> tuple[tuple[str, ...], ...]:
     names = [named.get(key) or (texts.get(key) or f"leaf {number}",) for number, key in enumerate(keys)]
     sides = [(f"cap {coordinate} {side}",) for coordinate in shape.coordinates for side in ("lower", "upper")]
     return (*names, *sides[: form.caps])
+
+
+@recently(16, written)
+def shape_leaf_parts(shape: Shape) -> tuple[tuple[str, ...], ...]:
+    """Those of the leaves of ``shape_form(shape)``, which are those of ``surface_form(shape)``."""
+    return leaf_parts(shape_form(shape), shape)
+
+
+def shape_leaf_names(shape: Shape) -> tuple[str, ...]:
+    """Their names."""
+    return tuple(names[0] for names in shape_leaf_parts(shape))
 
 
 def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, tuple[str, ...]]:

@@ -15,10 +15,28 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
+def written(shape: Any) -> tuple[Any, ...]:
+    """What a shape says but for bounds and the values of its letters: objects by their identity, names.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y
+    >>> one = rsym.Shape(x - rsym.real_symbol("a") * y, (x, y), letters={"a": 1})
+    >>> written(one) == written(one.with_letters({"a": 2})), written(one) == written(one - rsym.disc(1))
+    (True, False)
+    """
+    parts = tuple((name, id(part)) for name, part in shape.parts)
+    return id(shape.expression), tuple(map(id, shape.coordinates)), tuple(shape.letters), parts
+
+
 def recently(
-    size: int,
+    size: int, told: Callable[[Any], Any] = id
 ) -> Callable[[Callable[Concatenate[S, P], T]], Callable[Concatenate[S, P], T]]:
-    """A function whose last results are kept, by the identity of its first argument and the others.
+    """A function whose last results are kept, by what is `told` of its first argument, and the others.
+
+    By default that is its identity. What is told may have the identities of what the argument holds; it must say all
+    that the results depend on.
 
     Examples
     --------
@@ -31,16 +49,17 @@ def recently(
     """
 
     def decorated(function: Callable[Concatenate[S, P], T]) -> Callable[Concatenate[S, P], T]:
-        known: deque[tuple[S, Any, T]] = deque(maxlen=size)
+        # The first argument is held, so that no other object gets its identity.
+        known: deque[tuple[S, Any, Any, T]] = deque(maxlen=size)
 
         @wraps(function)
         def found(first: S, /, *rest: P.args, **named: P.kwargs) -> T:
-            others = (rest, named)
-            for one, its_others, made in tuple(known):
-                if one is first and its_others == others:
+            key, others = told(first), (rest, named)
+            for _, its_key, its_others, made in tuple(known):
+                if its_key == key and its_others == others:
                     return made
             made = function(first, *rest, **named)
-            known.append((first, others, made))
+            known.append((first, key, others, made))
             return made
 
         return found

@@ -10,8 +10,7 @@ import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, as_condition
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_parts
-from rsym.logic.sign_form import surface_form
+from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
@@ -78,7 +77,7 @@ def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:
     >>> assigned(rsym.disc(2).named("rim") - rsym.disc(1).named("bore"), ["bore"])
     (Ellipsis, 'bore')
     """
-    parts = leaf_parts(surface_form(shape), shape)
+    parts = shape_leaf_parts(shape)
     known = list(dict.fromkeys(name for names_of_leaf in parts for name in names_of_leaf))
     for name in names:
         if name is not ... and name not in known:

@@ -21,8 +21,9 @@ from rsym.problems.plates import bending
 from rsym.problems.problem import Problem, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
-from rsym.problems.systems.cell_code import apply_forms, tested_loads
-from rsym.problems.systems.forms import Assembler, CellPoints, extended
+from rsym.problems.systems.borders import SystemBorder
+from rsym.problems.systems.cell_code import apply_forms
+from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, extended
 from rsym.sampling.rules.quadrature import Quadrature
 
 Jets = Callable[[Floats], Floats]
@@ -69,20 +70,16 @@ class Discretisation:
 
     def extras(self, points: Floats) -> Floats:
         """The derivatives (kinds, functions, n) of the functions beside the splines."""
-        key = hash(points.tobytes())
-        if key not in self._lately:
-            self._lately.clear()
-            self._lately[key] = self.problem.extras(points, self.problem.order)
-        return self._lately[key]
+        return self.problem.extras(points, self.problem.order)
 
-    @cached_property
-    def _lately(self) -> dict[int, Floats]:
-        """The last that were asked for: they are asked for again."""
-        return {}
+    def border(self, where: CellPoints) -> SystemBorder:
+        """These functions at the points of a rule."""
+        beside = self.problem.beside(where.points)
+        return SystemBorder(self.assembler, self.tests, where, beside, self.extra_count)
 
     # -- forms at points -------------------------------------------------------------------------------------------
 
-    def equation_form(self, some: slice, points: Floats) -> Floats:
+    def equation_form(self, some: Some, points: Floats) -> Floats:
         """Of the equation: rows are tests, columns u."""
         dimension = self.problem.dimension
         weights = self.rule.weights[some] * self.problem.radius(points)
@@ -100,7 +97,7 @@ class Discretisation:
             form[:, second, second] = (weights * values["d"])[:, None, None] * work
         return form
 
-    def load_form(self, some: slice, points: Floats) -> Floats:
+    def load_form(self, some: Some, points: Floats) -> Floats:
         """Of the right side, (n, kinds, 1)."""
         place = list(self.problem.equation.expressions).index("f")
         found = np.zeros((len(points), self.kinds, 1))
@@ -203,55 +200,51 @@ class Discretisation:
         lift = self.problem.lift(self.problem.order)
         if lift is not None:
             for where, form in self._forms():
-                total = total - self.loads(where, applied_form(form, lambda points: lift(points)[:, None]))
+                total = total - self.loads(where, applied_form(form, lift))
         for number, flow in enumerate(self.problem.flows):
             total[0, total.shape[1] - self.extra_count + number] += flow
         right: Floats = total[0]
         return right
 
-    def _forms(self) -> list[tuple[CellPoints, Any]]:
+    def _forms(self) -> list[tuple[CellPoints, FormAt]]:
         """The forms of the whole equation, with where they are integrated."""
-        found: list[tuple[CellPoints, Any]] = [(self.inside, self.equation_form)]
+        found: list[tuple[CellPoints, FormAt]] = [(self.inside, self.equation_form)]
         for where, weights, coefficient, _ in self.flux_parts:
             found.append((where, at_values(weights * coefficient, self.kinds)))
         return found
 
-    def loads(self, where: CellPoints, load: Any, count: int = 1) -> Floats:
+    def loads(self, where: CellPoints, load: LoadAt, count: int = 1) -> Floats:
         """The loads (count, functions) of inner splines, then of the others."""
         own = self.assembler.loads(where, load, self.tests, count) @ self.splines.extension
         if not self.extra_count:
             return np.asarray(own)
-        extra = np.zeros((count, self.extra_count))
-        for chunk in where.chunks():
-            points = where.points[chunk.points]
-            tested_loads(self.extras(points), load(chunk.points, points), extra)
-        return np.concatenate((own, extra), axis=1)
+        return np.concatenate((own, self.border(where).loads(load, count)), axis=1)
 
-    def _bordered(self, own: sparse.csr_matrix, forms: Any, symmetric: bool) -> sparse.csr_matrix:
+    def _bordered(
+        self, own: sparse.csr_matrix, forms: Callable[[], list[tuple[CellPoints, FormAt]]], symmetric: bool
+    ) -> sparse.csr_matrix:
         """With the rows and columns of the other functions."""
         count = self.extra_count
         if not count:
             return own
-        columns = np.zeros((own.shape[0] + count, count))
-        rows = np.zeros((count, own.shape[0] + count))
+        active = len(self.splines.active)
+        columns = sparse.csr_matrix((active + count, count))
+        rows = sparse.csr_matrix((active, count))
         for where, form in forms():
-            columns += self.loads(where, applied_form(form, self.extras), count).T
+            border = self.border(where)
+            columns = columns + border.columns(form, symmetric=symmetric)
             if not symmetric:
-                rows += self.loads(where, applied_form(form, self.extras, transposed=True), count)
-        if symmetric:
-            rows = columns.T
-        n = own.shape[0]
-        blocks = [
-            [own, sparse.csr_matrix(columns[:n])],
-            [sparse.csr_matrix(rows[:, :n]), sparse.csr_matrix(columns[n:])],
-        ]
-        return sparse.bmat(blocks, format="csr")
+                rows = rows + border.columns(transposed(form), symmetric=False)[:active]
+        inner = self.splines.extension.T
+        across, among = inner @ columns[:active], columns[active:]
+        down = across if symmetric else inner @ rows
+        return sparse.bmat([[own, across], [down.T, among]], format="csr")
 
 
-def at_values(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
+def at_values(weights: Floats, kinds: int) -> FormAt:
     """The form weights*u*v."""
 
-    def form(some: slice, points: Floats) -> Floats:
+    def form(some: Some, points: Floats) -> Floats:
         found = np.zeros((len(points), kinds, kinds))
         found[:, 0, 0] = weights[some]
         return found
@@ -259,10 +252,10 @@ def at_values(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
     return form
 
 
-def single_load(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats]:
+def single_load(weights: Floats, kinds: int) -> LoadAt:
     """The load weights*v."""
 
-    def load(some: slice, points: Floats) -> Floats:
+    def load(some: Some, points: Floats) -> Floats:
         found = np.zeros((len(points), kinds, 1))
         found[:, 0, 0] = weights[some]
         return found
@@ -270,16 +263,19 @@ def single_load(weights: Floats, kinds: int) -> Callable[[slice, Floats], Floats
     return load
 
 
-def applied_form(form: Any, given: Jets, *, transposed: bool = False) -> Callable[[slice, Floats], Floats]:
-    """The load that a form makes of given functions, whose derivatives are (kinds, functions, n)."""
+def applied_form(form: FormAt, given: Jets) -> LoadAt:
+    """The load that a form makes of a given function, whose derivatives are (kinds, n)."""
 
-    def load(some: slice, points: Floats) -> Floats:
-        values = form(some, points)
-        if transposed:
-            values = values.transpose(0, 2, 1)
-        functions = np.ascontiguousarray(given(points))
-        found = np.empty((*values.shape[:2], functions.shape[1]))
-        apply_forms(np.ascontiguousarray(values), functions, found)
+    def load(some: Some, points: Floats) -> Floats:
+        values = np.ascontiguousarray(form(some, points))
+        functions = np.ascontiguousarray(given(points).T[:, :, None])
+        found = np.empty((*values.shape[:2], 1))
+        apply_forms(values, functions, found)
         return found
 
     return load
+
+
+def transposed(form: FormAt) -> FormAt:
+    """The form with tests and functions changed for each other."""
+    return lambda some, points: form(some, points).transpose(0, 2, 1)

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_names
-from rsym.logic.sign_form import shape_form
+from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.sampling.extent import extent
@@ -68,7 +67,7 @@ def _require_all(shape: Shape, leaves: PlaneLeaves, seen: Collection[int]) -> No
         distance, active = leaves.distance(points)
         if np.any((distance <= near) & (active == leaf)):
             raise RsymError(
-                f"{leaf_names(shape_form(shape), shape)[leaf]} bounds something too small to tell whether it is a hole",
+                f"{shape_leaf_names(shape)[leaf]} bounds something too small to tell whether it is a hole",
                 code="hole",
                 remedy=f"leave it out, or make it larger than the shape over {RESOLUTION}",
             )
@@ -86,7 +85,7 @@ def holes(shape: Shape, unknown: Collection[int]) -> tuple[tuple[int, ...], ...]
         return ()
     if shape.dimension != 2:
         return tuple((leaf,) for leaf in unknown)
-    names: Mapping[int, str] = dict(enumerate(leaf_names(shape_form(shape), shape)))
+    names: Mapping[int, str] = dict(enumerate(shape_leaf_names(shape)))
     found: list[tuple[int, ...]] = []
     for loop in loops_of(shape):
         level = [leaf for leaf in loop.leaves if leaf in unknown]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from typing import Any
 
@@ -18,15 +18,14 @@ from rsym.problems.problem import vanished
 from rsym.problems.splines.web import WebSplines
 from rsym.sampling.extent import extent
 from rsym.sampling.plane import bounds_of_view
-from rsym.sampling.rules.quadrature import Quadrature, quadrature
+from rsym.sampling.rules.division import Grading
+from rsym.sampling.rules.quadrature import Quadrature, prepared
 
 # Of the size of the shape: points of the boundary are known to rounding.
 ON_BOUNDARY = 1e-12
 
 
-def rule_on(
-    shape: Shape, names: Collection[Name], cells: int, order: int, near: Sequence[Sequence[float]] = ()
-) -> Quadrature:
+def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near: Grading | None = None) -> Quadrature:
     """The rule of a problem with conditions on parts of these names, its cells graded towards some points."""
     box, given = None, shape.bounds
     with suppress(RsymError):
@@ -34,7 +33,7 @@ def rule_on(
         # Bounds with room beside the shape would be cells without it.
         inside = given is None or all(a <= c and d <= b for (a, b), (c, d) in zip(given, found, strict=True))
         box = found if inside else given
-    rule = quadrature(shape, cells=cells, order=order, bounds=box, near=near or None)
+    rule = prepared(shape, box, None).rule(cells, order, near)
     on_leaves = assigned(shape, list(names))
     met = np.unique(rule.boundary.leaves)
     sides = [rule.parts[leaf].removeprefix("cap ") for leaf in met if leaf >= len(on_leaves)]

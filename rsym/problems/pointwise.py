@@ -79,10 +79,16 @@ def compiled(
     functions: Mapping[str, Callable[..., Any]] | None = None,
 ) -> PointFormulas:
     """Nodes of a builder."""
-    program = builder.program(nodes)
+    return at_letters(shape, compile_program(builder.program(nodes), (), shape), functions)
+
+
+def at_letters(
+    shape: Shape, kernel: Kernel, functions: Mapping[str, Callable[..., Any]] | None = None
+) -> PointFormulas:
+    """What was compiled, with the values that the letters of a shape have."""
     values = shape.letters.values_with(None)
-    kernel = compile_program(program, (), shape)
-    return PointFormulas(kernel, tuple(values[name] for name in program.letters), tuple((functions or {}).items()))
+    letters = tuple(values[name] for name in kernel.program.letters)
+    return PointFormulas(kernel, letters, tuple((functions or {}).items()))
 
 
 def with_derivatives(builder: Builder, nodes: Mapping[str, int], names: tuple[str, ...], order: int) -> dict[str, int]:

@@ -7,8 +7,10 @@ beside: such as the one that is 1 on a hole at an unknown level, and those of co
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property
+from threading import RLock
 from typing import Any
 
 import numpy as np
@@ -16,11 +18,13 @@ import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
 from rsym.arrays import Floats
+from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_parts
+from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.logic.weights import weight
 from rsym.model.equation import Equation
+from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.problems.conditions import Name, assigned
@@ -28,13 +32,41 @@ from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.equations import EllipticEquation, negated
 from rsym.problems.lifts import lift_of
-from rsym.problems.pointwise import PointFormulas, compiled, formulas, values_of, with_derivatives
+from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
+from rsym.problems.systems.borders import Beside
 from rsym.program.lowering import lower
 
 VALUE, FLUX = "value", "flux"
 NO_LOAD = 1e-9  # of the largest at corners: rounding of their places
 VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
+
+
+@dataclass(frozen=True, eq=False)
+class _Lowered:
+    """The sign form of a shape, and kernels of what was made of it, which other values of its letters have in common.
+
+    The lock is for the builder of the form, to which nodes are added.
+    """
+
+    form: SignForm
+    kernels: dict[tuple[tuple[int, ...], int], Kernel]
+    lock: AbstractContextManager[Any]
+
+    def kernel(self, shape: Shape, nodes: Callable[[], Mapping[str, int]], order: int) -> Kernel:
+        """The derivatives of nodes up to an order."""
+        with self.lock:
+            b, named = self.form.builder, nodes()
+            key = tuple(named.values()), order
+            if key not in self.kernels:
+                program = b.program(with_derivatives(b, named, b.coordinates, order))
+                self.kernels[key] = compile_program(program, (), shape)
+            return self.kernels[key]
+
+
+@recently(16, written)
+def _lowered(shape: Shape) -> _Lowered:
+    return _Lowered(shape_form(shape), {}, RLock())
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +104,11 @@ class Problem:
     @cached_property
     def form(self) -> SignForm:
         """The sign form of the shape."""
-        return shape_form(self.shape)
+        return self._lowered.form
+
+    @cached_property
+    def _lowered(self) -> _Lowered:
+        return _lowered(self.shape)
 
     def leaves(self, *kinds: type[BoundaryCondition]) -> tuple[int, ...]:
         """The leaves with conditions of some kinds."""
@@ -86,7 +122,8 @@ class Problem:
     @cached_property
     def weight_node(self) -> int:
         """What vanishes where u is given, and twice where its slope is too."""
-        return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
+        with self._lowered.lock:
+            return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
 
     def _vanishing(self, leaves: Collection[int]) -> int:
         found = weight(self.form, leaves)
@@ -113,9 +150,10 @@ class Problem:
     def extra_nodes(self) -> dict[str, int]:
         """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where W, that of all others, is."""
         b, found = self.form.builder, {}
-        for number, hole in enumerate(self.levels):
-            others = self._vanishing([leaf for leaf in self.leaves(*VALUED) if leaf not in hole])
-            found[f"level {number}"] = b.div(others, b.add(others, self._vanishing(hole)))
+        with self._lowered.lock:
+            for number, hole in enumerate(self.levels):
+                others = self._vanishing([leaf for leaf in self.leaves(*VALUED) if leaf not in hole])
+                found[f"level {number}"] = b.div(others, b.add(others, self._vanishing(hole)))
         return found
 
     @property
@@ -125,14 +163,25 @@ class Problem:
 
     def extras(self, points: Floats, order: int) -> Floats:
         """Their derivatives (kinds, functions, n)."""
-        kinds = len(derivatives(self.dimension, order))
-        found = [np.zeros((kinds, 0, len(points)))]
+        found = np.zeros((len(derivatives(self.dimension, order)), self.extra_count, len(points)))
+        for one in self.beside(points):
+            found[:, one.numbers, one.where] = one.derivatives(points[one.where], order).transpose(1, 2, 0)
+        return found
+
+    def beside(self, points: Floats) -> tuple[Beside, ...]:
+        """The same functions in groups, levels and each corner, where they are not 0."""
+        found = []
         if self.levels:
-            values = self._with_derivatives("extra", order, lambda: self.extra_nodes)(points)
-            found.append(values.reshape(len(self.levels), kinds, -1).transpose(1, 0, 2))
+            found.append(Beside(0, len(self.levels), np.arange(len(points)), self._levels_at))
         if self.corners is not None:
-            found.append(self.corners.functions.derivatives(points, order))
-        return np.ascontiguousarray(np.concatenate(found, axis=1))
+            for first, part, near in self.corners.functions.near(points):
+                found.append(Beside(len(self.levels) + first, len(part.terms), near, part.derivatives))
+        return tuple(found)
+
+    def _levels_at(self, points: Floats, order: int) -> Floats:
+        """The derivatives (n, kinds, functions) of the functions e."""
+        values = self._with_derivatives("extra", order, lambda: self.extra_nodes)(points)
+        return np.ascontiguousarray(values.reshape(len(self.levels), -1, len(points)).transpose(2, 1, 0))
 
     def leaf_jets(self, points: Floats, order: int) -> Floats:
         """The derivatives (leaves, kinds, n) of all leaves of the form at points."""
@@ -143,9 +192,7 @@ class Problem:
     def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
         """What was compiled is kept."""
         if (name, order) not in self._made:
-            b = self.form.builder
-            found = with_derivatives(b, nodes(), b.coordinates, order)
-            self._made[name, order] = compiled(self.shape, b, found)
+            self._made[name, order] = at_letters(self.shape, self._lowered.kernel(self.shape, nodes, order))
         return self._made[name, order]
 
     @cached_property
@@ -207,7 +254,7 @@ def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
 
 def on_part(problem: Problem, leaves: Any, part: str) -> Any:
     """Which of the points with these leaves lie on a part."""
-    names = leaf_parts(problem.form, problem.shape)
+    names = shape_leaf_parts(problem.shape)
     known = list(dict.fromkeys(name for one in names for name in one))
     if part not in known:
         raise RsymError(

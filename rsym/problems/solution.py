@@ -213,8 +213,8 @@ class Solution:
             lift = self.problem.lift(order)
             if lift is not None:
                 found[:, some] += lift(here)
-            if len(self.others):
-                found[:, some] += np.einsum("f,kfn->kn", self.others, self.problem.extras(here, order))
+            for one in self.problem.beside(here):
+                found[:, first + one.where] += (one.derivatives(here[one.where], order) @ self.others[one.numbers]).T
         return found
 
     def __call__(self, *coordinates: ArrayLike) -> Any:
@@ -379,7 +379,7 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
-    near = [] if problem.corners is None else [corner.point for corner in problem.corners.corners]
+    near = None if problem.corners is None else problem.corners.functions.grading
     rule = rule_on(problem.shape, problem.named, cells, order, near)
     if problem.axis >= 0:
         across = rule.points[:, 1 - problem.axis]

@@ -21,7 +21,7 @@ from rsym.errors import RsymError
 from rsym.logic.lifting import opened
 from rsym.logic.sign_form import surface_form
 from rsym.model.equation import checked_bounds
-from rsym.model.recent import recently
+from rsym.model.recent import recently, written
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, LeafBounds, cube, grid, halves, points, slabs
@@ -63,7 +63,12 @@ def extent(shape: Shape, letters: Mapping[Any, float] | None = None) -> Bounds:
     True
     """
     require_shape(shape)
-    return extent_of(proved_signs(shape, letters))
+    return _extent(shape, tuple(shape.letters.values_with(letters).items()))
+
+
+@recently(16, written)
+def _extent(shape: Shape, values: tuple[tuple[str, float], ...]) -> Bounds:
+    return extent_of(proved_signs(shape, dict(values)))
 
 
 def proved_signs(shape: Shape, letters: Mapping[Any, float] | None = None) -> FormSigns:
@@ -71,7 +76,7 @@ def proved_signs(shape: Shape, letters: Mapping[Any, float] | None = None) -> Fo
     return FormSigns(_leaf_bounds(shape), shape.letters.values_with(letters))
 
 
-@recently(16)
+@recently(16, written)
 def _leaf_bounds(shape: Shape) -> LeafBounds:
     form = opened(surface_form(shape))
     try:

@@ -19,7 +19,7 @@ from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.logic.lifting import TURNED, lifted, opened
 from rsym.logic.sign_form import Gate, SignForm, shape_builder, shape_form
 from rsym.logic.stripping import Signed
-from rsym.model.recent import recently
+from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
@@ -38,18 +38,18 @@ GRAIN = 256  # small boxes
 PLANE: tuple[int, int] = (0, 1)
 
 
-@recently(8)
+@recently(8, written)
 def _form(shape: Shape) -> SignForm:
     """The sign form, which kernels want in space."""
     return opened(shape_form(shape, *across(shape)))
 
 
-@recently(8)
+@recently(8, written)
 def _sign_kernels(shape: Shape) -> RegionKernels:
     return region_kernels(_form(shape))
 
 
-@recently(8)
+@recently(8, written)
 def value_kernels(shape: Shape) -> RegionKernels | None:
     """Those of a plane shape, its minima and maxima the gates; None where it has so few that nothing is gained."""
     builder = shape_builder(shape, ACROSS)

@@ -21,7 +21,7 @@ Source: P. Grisvard (1985), Elliptic problems in nonsmooth domains, chapter 4, f
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -33,6 +33,7 @@ from rsym.model.shape import Shape
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.corners.leaf_jets import LeafJets, leaf_jets
 from rsym.problems.corners.singular_loops import LOG, corner_terms
+from rsym.sampling.rules.division import Grading
 
 CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
 MARGIN = 0.999  # of that radius, for what lies between the places
@@ -59,6 +60,28 @@ class LocalFunctions:
     power: int
     turned: bool  # theta is counted from the second edge
     jets: LeafJets
+
+    def derivatives(self, points: Floats, order: int) -> Floats:
+        """Derivatives up to the order 0, 1 or 2 at points (n, 2) within the reach: (n, kinds, terms)."""
+        corner, out = self.corner, np.zeros((len(points), (1, 3, 6)[order], len(self.terms)))
+        halves = [round(2 * term.rate * corner.angle / math.pi) for term in self.terms]
+        kinds = [KINDS.index(term.kind) for term in self.terms]
+        multiples = max((half for half, kind in zip(halves, kinds, strict=True) if kind != LOG), default=0)
+        corner_terms(
+            *_coordinates(corner, self.jets.at(points)),
+            corner.angle,
+            self.radius,
+            self.power,
+            self.turned,
+            corner.alone,
+            np.array(kinds, np.int64),
+            np.array(halves, np.int64),
+            np.array([round((term.exponent - term.rate) / 2) for term in self.terms], np.int64),
+            np.array([term.rate for term in self.terms]),
+            np.empty((3, multiples + 1)),
+            out,
+        )
+        return out
 
 
 @dataclass(frozen=True)
@@ -95,6 +118,18 @@ class CornerFunctions:
         """What each function is."""
         return tuple(term for part in self.parts for term in part.terms)
 
+    @property
+    def grading(self) -> Grading:
+        """The corners, towards which cells are divided, and how the work of functions of any kind falls there.
+
+        That of a singular function grows with its gradient squared; of it and a smooth one with the gradient; the
+        weight is not smooth at a re-entrant corner.
+        """
+        points = np.array([part.corner.point for part in self.parts]).reshape(-1, 2)
+        least = np.array([part.terms[0].exponent for part in self.parts])
+        bent = np.array([part.corner.is_reentrant for part in self.parts])
+        return Grading(points, np.minimum(2 * least, np.where(bent, 2.0, 1 + least)))
+
     def at(self, points: Floats) -> tuple[Floats, Floats, Floats]:
         """Values (n, k), gradients (n, 2, k) and Laplacians (n, k) at points (n, 2).
 
@@ -107,13 +142,20 @@ class CornerFunctions:
         """Derivatives up to the order 0, 1 or 2 at points (n, 2): value, x, y, xx, xy, yy, of those (kinds, k, n)."""
         points = np.asarray(points, np.float64)
         out = np.zeros(((1, 3, 6)[order], len(self), len(points)))
-        done = 0
-        for part in self.parts:
-            near = np.flatnonzero(np.hypot(*(points - part.corner.point).T) < part.corner.reach)
-            if len(near):
-                _fill(part, points[near], near, out[:, done : done + len(part.terms)])
-            done += len(part.terms)
+        for first, part, near in self.near(points):
+            out[:, first : first + len(part.terms), near] = part.derivatives(points[near], order).transpose(1, 2, 0)
         return out
+
+    def near(self, points: Floats) -> Iterator[tuple[int, LocalFunctions, Ints]]:
+        """Of each corner within whose reach some points (n, 2) lie the number of its first function, and which do."""
+        first = 0
+        for part in self.parts:
+            (u, v), reach = part.corner.point, part.corner.reach
+            beside = np.flatnonzero(np.abs(points[:, 0] - u) < reach)
+            near = beside[np.hypot(points[beside, 0] - u, points[beside, 1] - v) < reach]
+            if len(near):
+                yield first, part, near
+            first += len(part.terms)
 
 
 def corner_functions(
@@ -217,26 +259,3 @@ def _coordinates(corner: PlaneCorner, leaves: Floats) -> tuple[Floats, Floats, F
     first, second = (math.hypot(*slope) for slope in corner.gradients)
     v, w = leaves[0] / first, leaves[1] / second
     return (w + v * math.cos(corner.angle)) / math.sin(corner.angle), v, w
-
-
-def _fill(part: LocalFunctions, points: Floats, where: Ints, out: Floats) -> None:
-    """The derivatives of the functions at one corner, (kinds, k, all points), at points of those."""
-    corner = part.corner
-    halves = [round(2 * term.rate * corner.angle / math.pi) for term in part.terms]
-    kinds = [KINDS.index(term.kind) for term in part.terms]
-    multiples = max((half for half, kind in zip(halves, kinds, strict=True) if kind != LOG), default=0)
-    corner_terms(
-        *_coordinates(corner, part.jets.at(points)),
-        corner.angle,
-        part.radius,
-        part.power,
-        part.turned,
-        corner.alone,
-        np.array(kinds, np.int64),
-        np.array(halves, np.int64),
-        np.array([round((term.exponent - term.rate) / 2) for term in part.terms], np.int64),
-        np.array([term.rate for term in part.terms]),
-        np.empty((3, multiples + 1)),
-        where,
-        out,
-    )

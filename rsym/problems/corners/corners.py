@@ -11,8 +11,7 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_names
-from rsym.logic.sign_form import shape_form
+from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.corners.common_zeros import CommonZero, common_zeros
@@ -159,7 +158,7 @@ def surveyed_corners(
         )
     box = _box(shape, letters, bounds)
     leaves = leaf_boxes(shape, letters)
-    named = leaf_names(shape_form(shape), shape)
+    named = shape_leaf_names(shape)
     found: list[PlaneCorner] = []
     met: list[Ints] = []
     meetings, along = common_zeros(leaves, box)
@@ -218,7 +217,7 @@ def _at(
     steady = leaves.steady(near[..., None])[:, 0]
     for leaf in met[matter[met] & ~steady[met]]:
         raise RsymError(
-            f"a leaf has a kink or no gradient there: {leaf_names(shape_form(shape), shape)[leaf]}",
+            f"a leaf has a kink or no gradient there: {shape_leaf_names(shape)[leaf]}",
             code=SINGULAR,
             where=f"({meeting.point[0]:.10g}, {meeting.point[1]:.10g})",
             remedy="join the parts that meet there by R-operations, so that each has a formula of its own",

@@ -12,7 +12,7 @@ from rsym.arrays import Flags, Floats
 from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.sign_form import SignForm, has_kinks, shape_form, through
 from rsym.logic.stripping import bare
-from rsym.model.recent import recently
+from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
 from rsym.sampling.form_signs import Boxes, Signs, check_parameters, joined_signs, points, signs_between
@@ -85,7 +85,7 @@ def leaf_boxes(shape: Shape, letters: Mapping[Any, float] | None = None) -> Leaf
     return LeafBoxes(form, function, values, lines, kinked)
 
 
-@recently(16)
+@recently(16, written)
 def _compiled(shape: Shape) -> tuple[SignForm, IntervalFunction, tuple[int, ...], tuple[bool, ...]]:
     form = shape_form(shape)
     b = form.builder

@@ -11,7 +11,7 @@ import numpy as np
 from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.logic.sign_form import SignForm, shape_form
-from rsym.model.recent import recently
+from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative
 
@@ -71,12 +71,12 @@ def leaf_jets(
     return LeafJets(_kernel(shape, tuple(own)), rows, shape.letters.values_with(letters), tuple(lines))
 
 
-@recently(8)
+@recently(8, written)
 def _form(shape: Shape) -> SignForm:
     return shape_form(shape)
 
 
-@recently(64)
+@recently(64, written)
 def _kernel(shape: Shape, leaves: tuple[int, ...]) -> Kernel:
     form = _form(shape)
     b = form.builder

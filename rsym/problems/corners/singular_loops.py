@@ -55,31 +55,31 @@ def loaded(alpha: float, log: float, t: float) -> tuple[float, float, float, flo
 
 
 @step
-def put(out: Any, k: int, at: int, n: int, u: Any, v: Any, c: float, s: float, polar: Any) -> None:
+def put(out: Any, k: int, u: Any, v: Any, c: float, s: float, polar: Any) -> None:
     """The derivatives of a term by x and y, from those in polar coordinates: value, r, t, rr, rt and Laplacian."""
     value, dr, dt, rr, rt, flat = polar
-    out[0, k, at] = value
+    out[0, k] = value
     if out.shape[0] == 1:
         return
     for i in range(1, 3):
-        out[i, k, at] = dr * (c * u[i, n] + s * v[i, n]) + dt * (c * v[i, n] - s * u[i, n])
+        out[i, k] = dr * (c * u[i] + s * v[i]) + dt * (c * v[i] - s * u[i])
     if out.shape[0] == 3:
         return
     for m in range(3):
         i, j = 1 + m // 2, 1 + (m + 1) // 2
-        ai, aj = c * u[i, n] + s * v[i, n], c * u[j, n] + s * v[j, n]
-        bi, bj = c * v[i, n] - s * u[i, n], c * v[j, n] - s * u[j, n]
+        ai, aj = c * u[i] + s * v[i], c * u[j] + s * v[j]
+        bi, bj = c * v[i] - s * u[i], c * v[j] - s * u[j]
         # The second derivative across is flat - rr: in the Laplacian what is harmonic cancels.
-        bent = dr * (c * u[3 + m, n] + s * v[3 + m, n]) + dt * (c * v[3 + m, n] - s * u[3 + m, n])
-        out[3 + m, k, at] = rr * (ai * aj - bi * bj) + rt * (ai * bj + aj * bi) + flat * bi * bj + bent
+        bent = dr * (c * u[3 + m] + s * v[3 + m]) + dt * (c * v[3 + m] - s * u[3 + m])
+        out[3 + m, k] = rr * (ai * aj - bi * bj) + rt * (ai * bj + aj * bi) + flat * bi * bj + bent
 
 
 @loop
 def corner_terms(
     u: Any, v: Any, w: Any, alpha: float, radius: float, power: int, other: bool, alone: bool,
-    kinds: Any, halves: Any, levels: Any, rates: Any, waves: Any, where: Any, out: Any,
+    kinds: Any, halves: Any, levels: Any, rates: Any, waves: Any, out: Any,
 ) -> None:  # fmt: skip
-    """The derivatives of terms at points to `out` (1, 3 or 6 kinds, terms, all points), in the columns `where`.
+    """The derivatives of terms at points to `out` (n, 1, 3 or 6 kinds, terms), which is 0 where they are.
 
     u, v and w, (6, n), have their derivatives in the order of the kinds. The rate of a term is halves*pi/(2*alpha), its
     exponent that and twice its level; `other`: angles are counted from the second edge. `waves` has room for the
@@ -106,6 +106,8 @@ def corner_terms(
         chi1 = -2 * power * share * share * inner * fall
         chi2 = chi1 + 4 * power * (power - 1) * share**4 * inner
         multiples(waves, r**base, base * t)
+        un, vn, here = u[:, n], v[:, n], out[n]
+        c, s = u[0, n] / r, v[0, n] / r
         for k in range(len(kinds)):
             level, rate = levels[k], rates[k]
             e = rate + 2 * level
@@ -132,4 +134,4 @@ def corner_terms(
                 chi * r * r * size * y, (f1 * y + chi * a) * r * size, chi * r * size * dy,
                 (f2 * y + (2 * f1 - chi) * a) * size, ((f1 - chi) * dy + chi * b) * size, lap * size,
             )  # fmt: skip
-            put(out, k, where[n], n, u, v, u[0, n] / r, v[0, n] / r, polar)
+            put(here, k, un, vn, c, s, polar)

@@ -34,7 +34,7 @@ def jets(splines: WebSplines, coefficients: Floats, points: Floats, order: int) 
     _jets(
         np.ascontiguousarray(points[inside], np.float64),
         splines.cells(cells[inside]),
-        *(splines.lower, splines.size, pieces(splines.degree), local, kinds),
+        *(splines.lower, splines.size, pieces(splines.degree).T.copy(), local, kinds),
         *(np.array(splines.shape, np.int64), whole, table, inside, found),
     )
     return np.ascontiguousarray(found.transpose(1, 2, 0))
@@ -44,21 +44,25 @@ def jets(splines: WebSplines, coefficients: Floats, points: Floats, order: int) 
 def tabulate(point: Any, cell: Any, lower: Floats, size: Floats, coefficients: Floats, table: Floats) -> None:
     """The splines that live on a cell along each axis, and their derivatives, at a point: table (axis, order, spline).
 
-    Derivatives of a polynomial by Horner's rule: that of order k gathers that of order k - 1, k times.
+    coefficients : (powers, splines). Derivatives of a polynomial by Horner's rule, of all splines at once: that of
+    order k gathers that of order k - 1, k times.
     """
     dimension, orders, count = table.shape
     for axis in range(dimension):
         t = (point[axis] - lower[axis]) / size[axis] - cell[axis]
-        for i in range(count):
-            for k in range(orders):
+        for k in range(orders):
+            for i in range(count):
                 table[axis, k, i] = 0.0
-            for power in range(count - 1, -1, -1):
-                for k in range(orders - 1, 0, -1):
+        for power in range(count - 1, -1, -1):
+            for k in range(orders - 1, 0, -1):
+                for i in range(count):
                     table[axis, k, i] = table[axis, k, i] * t + k * table[axis, k - 1, i]
-                table[axis, 0, i] = table[axis, 0, i] * t + coefficients[i, power]
-            scale = 1.0
-            for k in range(1, orders):
-                scale /= size[axis]
+            for i in range(count):
+                table[axis, 0, i] = table[axis, 0, i] * t + coefficients[power, i]
+        scale = 1.0
+        for k in range(1, orders):
+            scale /= size[axis]
+            for i in range(count):
                 table[axis, k, i] *= scale
 
 
@@ -77,16 +81,23 @@ def _jets(
     places: Ints,
     found: Floats,
 ) -> None:
+    """The sum along the last axis first: its coefficients lie side by side."""
     count, dimension = points.shape
+    last, wide, orders = dimension - 1, table.shape[2], table.shape[1]
+    sums = np.empty(orders)
     for k in range(count):
         tabulate(points[k], cells[k], lower, size, coefficients, table)
-        for spline in range(len(local)):
+        for row in range(0, len(local), wide):
             flat = 0
             for axis in range(dimension):
-                flat = flat * shape[axis] + cells[k, axis] + local[spline, axis]
-            for kind in range(len(kinds)):
-                value = 1.0
-                for axis in range(dimension):
-                    value *= table[axis, kinds[kind, axis], local[spline, axis]]
-                for function in range(len(whole)):
-                    found[places[k], kind, function] += value * whole[function, flat]
+                flat = flat * shape[axis] + cells[k, axis] + local[row, axis]
+            for function in range(len(whole)):
+                for order in range(orders):
+                    sums[order] = 0.0
+                    for spline in range(wide):
+                        sums[order] += table[last, order, spline] * whole[function, flat + spline]
+                for kind in range(len(kinds)):
+                    value = sums[kinds[kind, last]]
+                    for axis in range(last):
+                        value *= table[axis, kinds[kind, axis], local[row, axis]]
+                    found[places[k], kind, function] += value

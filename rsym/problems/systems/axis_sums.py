@@ -7,13 +7,19 @@ taken but about 9 q**2 m**2 + 4 q m**4. All cells are alike, so splines are eval
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.problems.splines.cardinals import derivatives, digits, pieces
+
+
+@lru_cache(16)
+def axis_sums(degree: int, points: int, dimension: int, order: int, size: float) -> AxisSums:
+    """The tables, made once."""
+    return AxisSums(degree, points, dimension, order, size)
 
 
 @dataclass(frozen=True)

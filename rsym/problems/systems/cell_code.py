@@ -13,6 +13,8 @@ from rsym.arrays import Floats, Ints
 from rsym.problems.splines.evaluation import tabulate
 from rsym.sampling.compiled import loop, step
 
+LANES = 16  # numbers that are worked on at once
+
 
 @loop
 def pull_back(terms: Ints, tests: Floats, trials: Floats, forms: Floats, out: Floats) -> None:
@@ -49,13 +51,15 @@ def pull_back_loads(terms: Ints, tests: Floats, loads: Floats, out: Floats) -> N
 @step
 def spread(table: Floats, local: Ints, kinds: Ints, phi: Floats) -> None:
     """The derivatives (kinds, splines) of tensor products of what is tabulated."""
-    dimension = len(table)
+    last, wide = len(table) - 1, table.shape[2]
     for kind in range(len(kinds)):
-        for spline in range(len(local)):
-            value = table[0, kinds[kind, 0], local[spline, 0]]
-            for axis in range(1, dimension):
-                value *= table[axis, kinds[kind, axis], local[spline, axis]]
-            phi[kind, spline] = value
+        along = table[last, kinds[kind, last]]
+        for row in range(0, len(local), wide):
+            value = 1.0
+            for axis in range(last):
+                value *= table[axis, kinds[kind, axis], local[row, axis]]
+            for spline in range(wide):
+                phi[kind, row + spline] = value * along[spline]
 
 
 @loop
@@ -76,27 +80,31 @@ def cell_matrices(
     psi: Floats,
     out: Floats,
 ) -> None:
-    """The matrices (splines, splines) of some of the cells, of a symmetric form the lower triangle alone."""
+    """The matrices (splines, splines) of some of the cells, of a symmetric form the lower triangle alone.
+
+    phi, psi : room for (kinds, splines), and `out` for matrices, with columns of 0 up to a multiple of `LANES`.
+    """
     count, features = len(local), len(kinds)
     for n in range(len(chosen)):
         c = chosen[n]
         matrix = out[c]
         for i in range(count):
-            for j in range(count):
+            for j in range(matrix.shape[1]):
                 matrix[i, j] = 0.0
         for k in range(begins[c], begins[c + 1]):
             tabulate(points[k], cells[c], lower, size, coefficients, table)
             spread(table, local, kinds, phi)
             for g in range(features):
-                for i in range(count):
+                for i in range(phi.shape[1]):
                     psi[g, i] = 0.0
                 for f in range(features):
                     value = forms[k, f, g]
                     if value != 0.0:
-                        for i in range(count):
+                        for i in range(phi.shape[1]):
                             psi[g, i] += value * phi[f, i]
             for i in range(count):
-                last = i + 1 if symmetric else count
+                # Whole lots of lanes take less time than what is left of one.
+                last = min((i // LANES + 1) * LANES, matrix.shape[1]) if symmetric else matrix.shape[1]
                 row = matrix[i]
                 for g in range(features):
                     value = psi[g, i]
@@ -231,7 +239,7 @@ def cell_loads(
 
 @loop
 def apply_forms(forms: Floats, functions: Floats, out: Floats) -> None:
-    """The loads (n, kinds, functions) that forms (n, kinds, kinds) make of functions (kinds, functions, n)."""
+    """The loads (n, kinds, functions) that forms (n, kinds, kinds) make of functions (n, kinds, functions)."""
     for k in range(len(forms)):
         for i in range(out.shape[1]):
             for j in range(out.shape[2]):
@@ -240,19 +248,19 @@ def apply_forms(forms: Floats, functions: Floats, out: Floats) -> None:
                 value = forms[k, i, other]
                 if value != 0.0:
                     for j in range(out.shape[2]):
-                        out[k, i, j] += value * functions[other, j, k]
+                        out[k, i, j] += value * functions[k, other, j]
 
 
 @loop
 def tested_loads(functions: Floats, loads: Floats, out: Floats) -> None:
-    """Add the products of functions (kinds, functions, n) and loads (n, kinds, count) to out (count, functions)."""
+    """Add the products of functions (n, kinds, functions) and loads (n, kinds, count) to out (functions, count)."""
     for k in range(len(loads)):
-        for i in range(functions.shape[0]):
-            for f in range(functions.shape[1]):
-                value = functions[i, f, k]
+        for i in range(functions.shape[1]):
+            for f in range(functions.shape[2]):
+                value = functions[k, i, f]
                 if value != 0.0:
                     for j in range(loads.shape[2]):
-                        out[j, f] += value * loads[k, i, j]
+                        out[f, j] += value * loads[k, i, j]
 
 
 @step

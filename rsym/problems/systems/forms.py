@@ -20,8 +20,9 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import checked_threads
 from rsym.problems.splines.cardinals import derivatives, digits, pieces, product_terms
 from rsym.problems.splines.web import WebSplines
-from rsym.problems.systems.axis_sums import AxisSums
+from rsym.problems.systems.axis_sums import axis_sums
 from rsym.problems.systems.cell_code import (
+    LANES,
     cell_loads,
     cell_matrices,
     compressed,
@@ -80,8 +81,9 @@ class CellPoints:
             yield Chunk(cells[some], ends - ends[0], plain[some], slice(int(ends[0]), int(ends[-1])))
 
 
-FormAt: TypeAlias = Callable[[slice, Floats], Floats]  # which points, and these, to (n, kinds, kinds)
-LoadAt: TypeAlias = Callable[[slice, Floats], Floats]  # to (n, kinds, functions)
+Some: TypeAlias = slice | Ints  # which of the points of a rule
+FormAt: TypeAlias = Callable[[Some, Floats], Floats]  # which points, and these, to (n, kinds, kinds)
+LoadAt: TypeAlias = Callable[[Some, Floats], Floats]  # to (n, kinds, functions)
 
 
 @dataclass(frozen=True)
@@ -109,9 +111,10 @@ class Assembler:
         offsets = digits(2 * splines.degree + 1, splines.dimension) - splines.degree
         stencil = np.zeros((len(splines.active), len(offsets)))
         terms = np.array(product_terms(splines.dimension, self.order), np.int64)
-        out = np.empty((AT_ONCE, len(local), len(local)))
-        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
-        with self._pool() as pool:
+        wide = -(-len(local) // LANES) * LANES
+        out = np.empty((AT_ONCE, len(local), wide))
+        sums = axis_sums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        with self.pool() as pool:
             for chunk in where.chunks():
                 points = np.ascontiguousarray(where.points[chunk.points])
                 given = np.ascontiguousarray(form(chunk.points, points))
@@ -133,7 +136,7 @@ class Assembler:
                         scratch = np.empty((2, sums.largest))
                         whole_cell_matrices(chunk.begins, pulled, some, *tables, symmetric, scratch, out)
                         return
-                    features = np.empty((2, self.kinds, len(local)))
+                    features = np.zeros((2, self.kinds, wide))
                     cell_matrices(
                         *(chunk.begins, some, cells, points, pulled, *self._grid, symmetric),
                         *(self._table(), features[0], features[1], out),
@@ -146,12 +149,29 @@ class Assembler:
 
     def loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int = 1) -> Floats:
         """The loads (count, active) of so many linear forms."""
-        splines, local = self.splines, self._local
-        shape = np.array(splines.shape, np.int64)
-        terms = np.array(product_terms(splines.dimension, self.order), np.int64)
+        splines, shape = self.splines, np.array(self.splines.shape, np.int64)
         total = np.zeros((count, len(splines.active)))
+        for cells, out in self._cell_loads(where, load, tests, count):
+            gather_loads(cells, out, self._local, shape, splines.number, total)
+        return total
+
+    def columns(self, where: CellPoints, load: LoadAt, tests: Weight, count: int) -> sparse.csr_matrix:
+        """The same as columns (active, count): of few cells, as sparse as these are few."""
+        splines, rows, values = self.splines, [np.empty(0, np.int64)], [np.empty((0, count))]
+        for cells, out in self._cell_loads(where, load, tests, count):
+            places = np.moveaxis(cells[:, None] + self._local, -1, 0)
+            rows.append(splines.number[np.ravel_multi_index(tuple(places), splines.shape)].ravel())
+            values.append(out.transpose(0, 2, 1).reshape(-1, count))
+        row, column = np.concatenate(rows), np.arange(count)
+        entries = np.concatenate(values).ravel(), (np.repeat(row, count), np.tile(column, len(row)))
+        return sparse.coo_matrix(entries, (len(splines.active), count)).tocsr()
+
+    def _cell_loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int) -> Iterator[tuple[Ints, Floats]]:
+        """Some cells (n, dimension) after the others, and the loads (n, count, splines) of the splines on each."""
+        splines, local = self.splines, self._local
+        terms = np.array(product_terms(splines.dimension, self.order), np.int64)
         features = np.empty((self.kinds, len(local)))
-        sums = AxisSums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        sums = axis_sums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
         for chunk in where.chunks():
             points = np.ascontiguousarray(where.points[chunk.points])
             given = np.ascontiguousarray(load(chunk.points, points))
@@ -162,8 +182,7 @@ class Assembler:
             if len(whole):
                 whole_cell_loads(chunk.begins, pulled, whole, sums.everywhere, out)
             cell_loads(chunk.begins, cut, cells, points, pulled, *self._grid, self._table(), features, out)
-            gather_loads(cells, out, local, shape, splines.number, total)
-        return total
+            yield cells, out
 
     @cached_property
     def _local(self) -> Ints:
@@ -172,13 +191,14 @@ class Assembler:
     @property
     def _grid(self) -> tuple[Floats, Floats, Floats, Ints, Ints]:
         kinds = np.array(derivatives(self.splines.dimension, self.order), np.int64)
-        return self.splines.lower, self.splines.size, pieces(self.splines.degree), self._local, kinds
+        return self.splines.lower, self.splines.size, pieces(self.splines.degree).T.copy(), self._local, kinds
 
     def _table(self) -> Floats:
         return np.empty((self.splines.dimension, self.order + 1, self.splines.degree + 1))
 
     @contextmanager
-    def _pool(self) -> Iterator[Executor | None]:
+    def pool(self) -> Iterator[Executor | None]:
+        """Threads; None for one."""
         count = checked_threads(self.threads)
         if count == 1:
             yield None

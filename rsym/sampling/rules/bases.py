@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.columns import CellRule, Columns, gauss
+from rsym.sampling.rules.columns import CellRule, Columns, gauss_on
 from rsym.sampling.rules.curves import EndCurves, Gaps, along, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
@@ -25,11 +25,14 @@ NARROW = 16.0  # roots of tolerances: where two leaves touch, closer than roundi
 BOTH = 5.0  # of the base: two leaves that climb no steeper than 2
 
 
-def plane_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> tuple[CellRule, float]:
-    """The rule on plane pieces with a height, and the measure of where leaves touch and lose both their lengths."""
+def plane_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, float]:
+    """The rule on plane pieces with a height, and the measure of where leaves touch and lose both their lengths.
+
+    orders : (pieces,), the points along each direction.
+    """
     ends = np.stack([pieces.lower, pieces.upper], axis=1)
     bases = _Bases(Columns.of(functions, pieces), along(ends, 1 - pieces.axis))
-    return bases.rule(bases.segments(), order)
+    return bases.rule(bases.segments(), orders)
 
 
 @dataclass(frozen=True)
@@ -115,31 +118,30 @@ class _Bases:
         found = np.concatenate([brackets.which, double])
         return own[found], np.concatenate([meetings(curves, brackets), middles])
 
-    def rule(self, segments: Segments, order: int) -> tuple[CellRule, float]:
+    def rule(self, segments: Segments, orders: Ints) -> tuple[CellRule, float]:
         """The points on lines across segments, and on upright leaves."""
-        x, w = gauss(order)
+        which, x, w = gauss_on(orders[segments.piece])
         width = segments.upper - segments.lower
-        base = (segments.lower[:, None] + x * width[:, None]).ravel()
-        lines = self.columns.lines(np.repeat(segments.piece, order), base)
+        lines = self.columns.lines(segments.piece[which], segments.lower[which] + x * width[which])
         walls = self.columns.lines(segments.stand_piece, segments.stand_place)
         kind = np.where(segments.before < 0, FIRST, np.where(segments.after < 0, LAST, BETWEEN))
         weight = np.ones(len(kind))
         if self.columns.functions.gates is None:
-            which, leaf = self._walls(segments, walls, kind)
-            walls = walls.chosen(which)
-            parts, _ = walls.walked(weight[which], None)
+            standing, leaf = self._walls(segments, walls, kind)
+            walls = walls.chosen(standing)
+            parts, _ = walls.walked(weight[standing], None)
             along_walls = replace(parts, leaf=leaf[parts.line])
         else:
             along_walls = walls.walked_upright(kind, *self._sides(segments), weight)
-        rule = self.columns.rule(lines, (w * width[:, None]).ravel(), walls, along_walls, order)
-        return rule, self._touching(lines, width, order)
+        rule = self.columns.rule(lines, w * width[which], walls, along_walls, orders)
+        return rule, self._touching(lines, width, which)
 
-    def _touching(self, lines: Lines, width: Floats, order: int) -> float:
+    def _touching(self, lines: Lines, width: Floats, which: Ints) -> float:
         """The square of a bound of the lengths of both leaves over segments in which crossings are taken for one."""
         tolerance, lost = self.columns.functions.tolerance, 0.0
         crossing = (lines.below > 0) != (lines.above > 0)
         for segment in np.flatnonzero(width <= NARROW * np.sqrt(tolerance)):
-            for line in range(segment * order, (segment + 1) * order):
+            for line in range(*np.searchsorted(which, [segment, segment + 1])):
                 own = slice(lines.begin[line], lines.begin[line + 1])
                 if (np.diff(np.sort(lines.root[own][crossing[own]])) <= tolerance).any():
                     lost += BOTH * float(width[segment])

@@ -23,6 +23,24 @@ def gauss(order: int) -> tuple[Floats, Floats]:
     return (x + 1) / 2, w / 2
 
 
+def gauss_on(orders: Ints) -> tuple[Ints, Floats, Floats]:
+    """Of the points of Gauss rules of such orders which rule each is of, its place and weight on [0, 1].
+
+    Examples
+    --------
+    >>> which, x, w = gauss_on(np.array([2, 1]))
+    >>> which.tolist(), x.round(3).tolist(), w.tolist()
+    ([0, 0, 1], [0.211, 0.789, 0.5], [0.5, 0.5, 1.0])
+    """
+    known, number = np.unique(orders, return_inverse=True)
+    tables = [gauss(int(order)) for order in known]
+    if len(known) == 1:
+        return np.repeat(np.arange(len(orders)), known[0]), *(np.tile(table, len(orders)) for table in tables[0])
+    place = span(starts(known)[number], orders)
+    x, w = (np.concatenate(parts)[place] for parts in zip(*tables, strict=True)) if tables else np.empty((2, 0))
+    return np.repeat(np.arange(len(orders)), orders), x, w
+
+
 @dataclass(frozen=True)
 class CellRule:
     """Points (dim, n) and weights inside, and on the boundary with leaf; `owner` are the cells."""
@@ -42,6 +60,15 @@ def rules_together(rules: list[CellRule]) -> CellRule:
     parts = [np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in names]
     inner, edge = np.argsort(parts[2], kind="stable"), np.argsort(parts[6], kind="stable")
     return CellRule(*(part[..., inner] for part in parts[:3]), *(part[..., edge] for part in parts[3:]))
+
+
+def tensor_rules(lower: Floats, upper: Floats, owner: Ints, orders: Ints) -> list[CellRule]:
+    """The plain Gauss rules on boxes (dim, n), of so many points along each direction."""
+    found = []
+    for order in np.unique(orders).tolist() or [1]:
+        own = orders == order
+        found.append(tensor_rule(lower[:, own], upper[:, own], owner[own], order))
+    return found
 
 
 def tensor_rule(lower: Floats, upper: Floats, owner: Ints, order: int) -> CellRule:
@@ -93,11 +120,11 @@ class Columns:
         counts = np.diff(self.pieces.start)[piece]
         return np.repeat(np.arange(len(piece)), counts), span(self.pieces.start[:-1][piece], counts)
 
-    def rule(self, lines: Lines, weight: Floats, walls: Lines, along_walls: Panels, order: int) -> CellRule:
-        """The rule on lines of such weights, and on intervals of the lines on upright leaves."""
+    def rule(self, lines: Lines, weight: Floats, walls: Lines, along_walls: Panels, orders: Ints) -> CellRule:
+        """The rule on lines of such weights, and on intervals of the lines on upright leaves; orders of all pieces."""
         panels, edges = lines.walked(weight, self.pieces.signs[lines.piece])
-        points, weights, owner, _ = self._spread(lines, panels, order)
-        wall_points, wall_weights, wall_owner, wall_leaf = self._spread(walls, along_walls, order)
+        points, weights, owner, _ = self._spread(lines, panels, orders)
+        wall_points, wall_weights, wall_owner, wall_leaf = self._spread(walls, along_walls, orders)
         own, leaf = lines.piece[edges.line], edges.leaf
         edge_points = placed(self.pieces.axis[own], lines.base[..., edges.line], edges.lower)
         _, gradient = self.functions.evaluate(np.where(leaf < 0, ~leaf, leaf), edge_points)
@@ -115,12 +142,12 @@ class Columns:
             np.concatenate([self.pieces.owner[own[kept]], wall_owner]),
         )
 
-    def _spread(self, lines: Lines, panels: Panels, order: int) -> tuple[Floats, Floats, Ints, Ints]:
+    def _spread(self, lines: Lines, panels: Panels, orders: Ints) -> tuple[Floats, Floats, Ints, Ints]:
         """Points, weights, cells and leaves of a Gauss rule on intervals of lines."""
-        x, w = gauss(order)
+        which, x, w = gauss_on(orders[lines.piece[panels.line]])
         tall = panels.upper - panels.lower
-        line = np.repeat(panels.line, order)
-        height = (panels.lower[:, None] + x * tall[:, None]).ravel()
+        line = panels.line[which]
+        height = panels.lower[which] + x * tall[which]
         points = placed(self.pieces.axis[lines.piece[line]], lines.base[..., line], height)
-        weights = (w * (tall * panels.weight)[:, None]).ravel()
-        return points, weights, self.pieces.owner[lines.piece[line]], np.repeat(panels.leaf, order)
+        weights = w * (tall * panels.weight)[which]
+        return points, weights, self.pieces.owner[lines.piece[line]], panels.leaf[which]

@@ -7,6 +7,7 @@ from zero, or none at all: then each meets a line along the axis once at most, o
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -22,6 +23,9 @@ STEEP, EVEN = 3.0, 1.3
 FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a steep one
 MOST = 64  # parts of a cell left open at a level
 GRADED = 28  # levels of division towards a given point
+SMALL = 40.0  # binary digits: cells nearer to a point than so small a share of an integral are not divided
+SLOPE = 0.25  # points of a rule less, from a cell to one of half the side, where integrals fall with its side
+FEWEST = 2  # points along each direction of the smallest cells
 
 
 class BoundedFunctions(Protocol):
@@ -54,6 +58,51 @@ class BoundedFunctions(Protocol):
 
     def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Bounds (2, n) of leaf[k] over box k of (dim, n), and (dim, 2, n) of its gradient."""
+
+
+@dataclass(frozen=True)
+class Grading:
+    """Points (k, dim) towards which cells are divided.
+
+    exponents : (k,), the integral over a disc about a point is as large as this power of its radius: where it is small
+        cells are divided less often, and have rules of fewer points. With 0 nothing is known.
+
+    Examples
+    --------
+    >>> Grading(np.zeros((3, 2)), np.array([0.0, 4 / 3, 4.0])).levels.tolist()
+    [28, 28, 10]
+    """
+
+    points: Floats
+    exponents: Floats
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @property
+    def levels(self) -> Ints:
+        """How often cells are divided towards each."""
+        with np.errstate(divide="ignore"):
+            return np.minimum(np.ceil(SMALL / self.exponents), GRADED).astype(np.int64)
+
+    def orders(self, lower: Floats, upper: Floats, size: float, order: int) -> Ints:
+        """The points along each direction (n,) of rules on parts (dim, n) of cells of a size.
+
+        About a point are rings of parts, each of half the width of the one before, and a rule of q points on these is
+        off by the same share of a power of q; so in a ring of a smaller share of the whole q may be smaller.
+        """
+        found = np.full(lower.shape[1], order, np.int64)
+        if not len(self) or not self.exponents.any():
+            return found
+        nearest, which = np.full(len(found), np.inf), np.zeros(len(found), np.int64)
+        half = (upper - lower).max(axis=0) / 2
+        for number, point in enumerate(self.points[:, :, None]):
+            away = np.maximum(np.maximum(lower - point, point - upper), 0.0).max(axis=0) + half
+            closer = away < nearest
+            nearest[closer], which[closer] = away[closer], number
+        rings = np.maximum(np.log2(size / nearest) - 1, 0.0)
+        fewer = np.ceil(order - SLOPE * self.exponents[which] * rings)
+        return np.maximum(fewer, min(order, FEWEST)).astype(np.int64)
 
 
 @dataclass(frozen=True)
@@ -134,6 +183,19 @@ class CutPieces:
         )
 
 
+def pieces_together(pieces: Sequence[CutPieces]) -> CutPieces:
+    """Pieces, one after the other."""
+    first, *others = pieces
+    if not others:
+        return first
+    parts: Any = {
+        name: np.concatenate([getattr(one, name) for one in pieces], axis=-1)
+        for name in ("lower", "upper", "owner", "leaf", "gradient", "axis", "proved")
+    }
+    counts = np.concatenate([np.diff(one.start) for one in pieces])
+    return CutPieces(signs=np.concatenate([one.signs for one in pieces]), start=starts(counts), **parts)
+
+
 def starts(counts: Ints) -> Ints:
     """Where each of so many things begins, and the end."""
     return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
@@ -197,20 +259,23 @@ class Limits:
     uneven: float
 
 
-def divide(functions: BoundedFunctions, cells: CutPieces, near: Floats, limits: Limits) -> Divided:
-    """Divide cells; those close to one of the points `near` (k, dim) are divided towards it."""
+def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: Grading | None = None) -> Divided:
+    """Divide cells; those close to one of the points `near` are divided towards it."""
+    levels = np.empty(0, np.int64) if near is None else near.levels
     inside = [(cells.lower[:, :0], cells.upper[:, :0], cells.owner[:0])]
     whole = np.empty(0, np.int64)
     cut: list[CutPieces] = []
     pieces = cells
-    for level in range(max(limits.deepest, GRADED if len(near) else 0) + 1):
+    for level in range(max(limits.deepest, *levels.tolist(), 0) + 1):
         if not len(pieces):
             break
         value, gradient = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
         pieces = replace(pieces, gradient=gradient)
         signs, verdict, kept = functions.judge(pieces, value)
         pieces = replace(pieces, signs=signs)
-        towards = close(pieces, near) if level < GRADED else np.zeros(len(pieces), bool)
+        towards = np.zeros(len(pieces), bool)
+        if near is not None and (level < levels).any():
+            towards = close(pieces, near.points[level < levels])
         full = (verdict == INSIDE) & ~towards
         inside.append((pieces.lower[:, full], pieces.upper[:, full], pieces.owner[full]))
         if level == 0:

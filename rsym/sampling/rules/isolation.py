@@ -15,6 +15,8 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 
+# Few intervals are parted so often at once: what is left of a double root takes as many steps as one.
+FEW, AT_ONCE = 64, 5
 HALVINGS = 30  # a double root is then met to half the digits, which is as well as its place is known
 MOST = 64  # intervals left of one function at a level: it is zero all along, or its slope is not bounded
 STEPS = 200
@@ -59,7 +61,8 @@ def isolate(
     which = np.arange(len(lower))
     found: list[tuple[Ints, ...]] = []
     double: list[tuple[Ints, Floats]] = []
-    for level in range(HALVINGS + 1):
+    level = 0
+    while True:
         steepest = np.maximum(np.abs(least), np.abs(most))
         tolerance = curves.tolerance * np.minimum(1.0, steepest)
         changes = (below > tolerance) != (above > tolerance)
@@ -85,11 +88,14 @@ def isolate(
             which, lower, upper, below, above = rest
             if not len(which):
                 break
-        middle = lower / 2 + upper / 2
-        between, _ = curves.evaluate(which, middle)
-        which = np.tile(which, 2)
-        lower, upper = np.concatenate([lower, middle]), np.concatenate([middle, upper])
-        below, above = np.concatenate([below, between]), np.concatenate([between, above])
+        several = len(which) <= FEW and level >= AT_ONCE and np.bincount(which).max() <= MOST >> AT_ONCE
+        for _ in range(min(AT_ONCE, HALVINGS - level) if several else 1):
+            middle = lower / 2 + upper / 2
+            between, _ = curves.evaluate(which, middle)
+            which = np.tile(which, 2)
+            lower, upper = np.concatenate([lower, middle]), np.concatenate([middle, upper])
+            below, above = np.concatenate([below, between]), np.concatenate([between, above])
+            level += 1
         least, most = curves.enclose(which, lower, upper)
     brackets = Brackets(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
     if not double:

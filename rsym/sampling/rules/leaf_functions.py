@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
+from rsym.logic.leaf_names import leaf_names
 from rsym.logic.lifting import lifted
 from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
-from rsym.model.recent import recently
+from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
 from rsym.sampling.compiled import loop
@@ -101,15 +102,15 @@ class LeafFunctions:
 class RuleForm:
     """A sign form as kernels want it, in three coordinates, minima and absolute values in its leaves lifted to gates.
 
-    plain : the form whose leaves have names; owner : for each leaf of `form` the number of that which it comes from.
+    names : of the leaves that the form came with; owner : for each leaf of `form` the number of that it comes from.
     """
 
     form: SignForm
-    plain: SignForm
+    names: tuple[str, ...]
     owner: Ints
 
 
-@recently(16)
+@recently(16, written)
 def rule_form(shape: Shape, capped: bool) -> RuleForm:
     """The form of a shape, with its bounds as leaves behind the others."""
     plain = surface_form(shape, *across(shape))
@@ -117,8 +118,8 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
     if capped:
         # Those across a plane are never met, and have no names.
         sides = len(plain.leaves) + np.minimum(np.arange(6), 2 * shape.dimension - 1)
-        return RuleForm(form.capped(), plain.capped(), np.concatenate([owner, sides]))
-    return RuleForm(form, plain, owner)
+        return RuleForm(form.capped(), leaf_names(plain.capped(), shape), np.concatenate([owner, sides]))
+    return RuleForm(form, leaf_names(plain, shape), owner)
 
 
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -14,18 +14,28 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError, warn
-from rsym.logic.leaf_names import leaf_names
 from rsym.model.equation import checked_bounds
 from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.rules.bases import plane_rule
-from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule
-from rsym.sampling.rules.division import INSIDE, OPEN, Limits, close, divide, undivided
+from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule, tensor_rules
+from rsym.sampling.rules.division import (
+    INSIDE,
+    OPEN,
+    CutPieces,
+    Grading,
+    Limits,
+    close,
+    divide,
+    pieces_together,
+    undivided,
+)
 from rsym.sampling.rules.space import space_rule
 
 ORDER = 8
 PAIRS = 2**17  # of cells and leaves that are looked at at once
+PIECES_AT_ONCE = 2048  # parts of cells, likewise
 CUT_AT_ONCE = 1024  # cells that the boundary may cross, of which rules are made at once
 POINTS = 2**20  # of such rules, about
 LIMITS = {2: Limits(6, 44, 2.0), 3: Limits(5, 24, 3.0)}
@@ -231,11 +241,13 @@ class Prepared:
     owner: Ints
     sides: range = range(0)
 
-    def rule(self, cells: int, order: int, near: ArrayLike | None = None, threads: int | None = None) -> Quadrature:
+    def rule(
+        self, cells: int, order: int, near: ArrayLike | Grading | None = None, threads: int | None = None
+    ) -> Quadrature:
         """The rule with so many cells along the longest side, and so many points along each direction of a cell."""
         grid = self.grid(cells)
         made = list(self.portions(grid, order, near, threads))
-        made = made or [_portion(self.functions, grid, np.arange(0), order, np.empty((0, 2)))]
+        made = made or [_portion(self.functions, grid, np.arange(0), order, _grading(None, self.functions.dimension))]
         rule = rules_together([portion.rule for portion in made])
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
@@ -245,7 +257,9 @@ class Prepared:
             rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts
         )
         full = np.concatenate([portion.full for portion in made])
-        touched = np.union1d(rule.owner, rule.edge_owner)
+        met = np.zeros(math.prod(grid.counts), np.bool_)
+        met[rule.owner], met[rule.edge_owner] = True, True
+        touched = np.flatnonzero(met)
         unresolved = sum(portion.unresolved for portion in made)
         return Quadrature(
             rule.points.T, rule.weights, rule.owner, grid, full, touched, self.parts, boundary, order, unresolved
@@ -268,17 +282,17 @@ class Prepared:
         return CellGrid(np.array([low for low, _ in self.box], float), size, counts)
 
     def portions(
-        self, grid: CellGrid, order: int, near: ArrayLike | None, threads: int | None
+        self, grid: CellGrid, order: int, near: ArrayLike | Grading | None, threads: int | None
     ) -> Iterator[RulePortion]:
         """The rule in some cells after the other; the portions depend on the grid alone."""
         require_count("order", order, "the number of points along each direction of a cell, for example 8")
-        points = _points(near, self.functions.dimension)
-        make = partial(_portion, self.functions, grid, order=order, near=points)
-        some, count = self._some_cells(grid, order, points), checked_threads(threads)
+        towards = _grading(near, self.functions.dimension)
+        make = partial(_portion, self.functions, grid, order=order, near=towards)
+        some, count = self._some_cells(grid, order, towards), checked_threads(threads)
         many = count > 1 and len(some) > 1
         yield from lasting_threads("rsym-rules", count).map(make, some) if many else map(make, some)
 
-    def _some_cells(self, grid: CellGrid, order: int, near: Floats) -> list[Ints]:
+    def _some_cells(self, grid: CellGrid, order: int, near: Grading) -> list[Ints]:
         """The cells that the shape may meet, in parts of about as much work."""
         functions = self.functions
         size = max(1, PAIRS // functions.count)
@@ -292,7 +306,7 @@ class Prepared:
             )
             _, verdict, _ = functions.judge(replace(pieces, gradient=gradient), value)
             cuts[cells], fills[cells] = verdict == OPEN, verdict == INSIDE
-            cuts[cells] |= close(pieces, near) & fills[cells]
+            cuts[cells] |= close(pieces, near.points) & fills[cells]
         points = order**functions.dimension
         work = np.cumsum(cuts / min(CUT_AT_ONCE, max(16, POINTS // (4 * points))) + fills * (points / POINTS))
         met = np.flatnonzero(cuts | fills)
@@ -316,13 +330,14 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
             code="unbounded",
             remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
         )
-    names = leaf_names(form.plain, shape)
     own = 2 * shape.dimension if bounds is None and box is not None else 0
-    return Prepared(functions, known, names, form.owner, range(len(names) - own, len(names)))
+    return Prepared(functions, known, form.names, form.owner, range(len(form.names) - own, len(form.names)))
 
 
-def _points(near: ArrayLike | None, dimension: int) -> Floats:
+def _grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
     """Points (k, dim) from what was given."""
+    if isinstance(near, Grading):
+        return near
     found = np.empty((0, dimension)) if near is None else np.asarray(near, np.float64)
     if found.size and (found.ndim != 2 or found.shape[1] != dimension or not np.isfinite(found).all()):
         raise RsymError(
@@ -330,7 +345,7 @@ def _points(near: ArrayLike | None, dimension: int) -> Floats:
             code="points",
             remedy="a row for each point",
         )
-    return found.reshape(-1, dimension)
+    return Grading(found.reshape(-1, dimension), np.zeros(len(found)))
 
 
 @dataclass(frozen=True)
@@ -342,29 +357,41 @@ class RulePortion:
     unresolved: float
 
 
-def _portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Floats) -> RulePortion:
+def _portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Grading) -> RulePortion:
     """The rule in some cells."""
     lower, upper = grid.corners(cells)
-    found = divide(functions, undivided(lower, upper, cells, functions.count), near, LIMITS[functions.dimension])
-    rules, unresolved = [tensor_rule(found.lower, found.upper, found.owner, order)], 0.0
-    for pieces in found.cut:
-        if len(pieces):
-            rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, order)
-            rules.append(rule)
-            unresolved += part
-            unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
+    whole = undivided(lower, upper, cells, functions.count)
+    found = divide(functions, whole, LIMITS[functions.dimension], near)
+    rules = tensor_rules(found.lower, found.upper, found.owner, near.orders(found.lower, found.upper, grid.size, order))
+    unresolved = 0.0
+    for pieces in _at_once(found.cut):
+        orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
+        rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, orders)
+        rules.append(rule)
+        unresolved += part
+        unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
     rule = rules_together(rules)
-    number = np.searchsorted(cells, rule.owner)
-    content = np.bincount(number, rule.weights, len(cells))
-    whole = np.prod(upper - lower, axis=0)
-    full = np.abs(content / whole - 1) < 1e-12
+    counts = np.searchsorted(rule.owner, cells, "right") - np.searchsorted(rule.owner, cells)
+    content = np.bincount(np.repeat(np.arange(len(cells)), counts), rule.weights, len(cells))
+    full = np.abs(content / np.prod(upper - lower, axis=0) - 1) < 1e-12
     # A cell whose boundary is its own side came out in another order.
-    other = full & ~np.isin(cells, found.whole)
-    counts = np.bincount(number, minlength=len(cells))
-    other &= counts == order**functions.dimension
+    other = full & ~np.isin(cells, found.whole) & (counts == order**functions.dimension) & ~close(whole, near.points)
     if other.any():
-        keep = ~other[number]
+        keep = ~np.repeat(other, counts)
         plain = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
         rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
     return RulePortion(rule, cells[full], unresolved)
+
+
+def _at_once(found: Sequence[CutPieces]) -> Iterator[CutPieces]:
+    """Pieces of several levels together, so that what is done for them is done once, but not too many."""
+    some: list[CutPieces] = []
+    for pieces in found:
+        if some and sum(map(len, some)) + len(pieces) > PIECES_AT_ONCE:
+            yield pieces_together(some)
+            some = []
+        if len(pieces):
+            some.append(pieces)
+    if some:
+        yield pieces_together(some)

@@ -14,7 +14,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.bases import SAME, plane_rule
-from rsym.sampling.rules.columns import CellRule, Columns, rules_together, tensor_rule
+from rsym.sampling.rules.columns import CellRule, Columns, rules_together, tensor_rules
 from rsym.sampling.rules.curves import Risers, along, heights_between, placed
 from rsym.sampling.rules.division import INSIDE, OPEN, BoundedFunctions, CutPieces, Limits, divide, starts
 from rsym.sampling.rules.walks import BETWEEN, LAST
@@ -23,16 +23,19 @@ LIMITS = Limits(4, 40, 3.0)
 FACE, GAP = 0, 1
 
 
-def space_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> tuple[CellRule, float]:
-    """The rule on pieces in space with a height, and the measure of what is not resolved of their bases."""
+def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, float]:
+    """The rule on pieces in space with a height, and the measure of what is not resolved of their bases.
+
+    orders : (pieces,), the points along each direction.
+    """
     columns = Columns.of(functions, pieces)
     base = BaseFunctions.of(columns)
-    found = divide(base, base.cells, np.empty((0, 2)), LIMITS)
-    rules = [tensor_rule(found.lower, found.upper, found.owner, order)]
+    found = divide(base, base.cells, LIMITS)
+    rules = tensor_rules(found.lower, found.upper, found.owner, orders[found.owner])
     tall, unresolved = columns.height[1] - columns.height[0], 0.0
     for parts in found.cut:
         if len(parts):
-            rules.append(plane_rule(base, parts, order)[0])
+            rules.append(plane_rule(base, parts, orders[parts.owner])[0])
             area = np.prod(parts.upper - parts.lower, axis=0) * tall[parts.owner]
             unresolved += float(area[~parts.proved].sum())
     flat = rules_together(rules)
@@ -42,7 +45,7 @@ def space_rule(functions: BoundedFunctions, pieces: CutPieces, order: int) -> tu
     leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
     left, right = _sides(columns, flat, leaf)
     along_walls = walls.walked_upright(kind, left, right, flat.edge_weights)
-    return columns.rule(lines, flat.weights, walls, along_walls, order), unresolved
+    return columns.rule(lines, flat.weights, walls, along_walls, orders), unresolved
 
 
 def _sides(columns: Columns, flat: CellRule, leaf: Ints) -> tuple[Any, Any]:

@@ -1,0 +1,98 @@
+"""Functions beside splines in a system: most are 0 but near a corner, and so are their rows and columns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from rsym.arrays import Floats, Ints
+from rsym.problems.systems.cell_code import apply_forms, tested_loads
+from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Weight
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Some functions beside splines, at those of some points where they are not all 0.
+
+    first, count : the number of the first, and how many there are.
+    where : which of the points these are, ascending.
+    derivatives : of points (m, dimension) up to an order: (m, kinds, functions).
+    """
+
+    first: int
+    count: int
+    where: Ints
+    derivatives: Callable[[Floats, int], Floats]
+
+    @property
+    def numbers(self) -> slice:
+        """Theirs."""
+        return slice(self.first, self.first + self.count)
+
+
+@dataclass(frozen=True)
+class SystemBorder:
+    """So many functions beside the splines of an assembler, at the points of a rule.
+
+    tests : the derivatives of the weight of the splines.
+    """
+
+    assembler: Assembler
+    tests: Weight
+    where: CellPoints
+    beside: Sequence[Beside]
+    count: int
+
+    def loads(self, load: LoadAt, count: int) -> Floats:
+        """The loads (count, functions) of so many linear forms."""
+        found = np.zeros((self.count, count))
+        for one in self.beside:
+            points = self.where.points[one.where]
+            functions = one.derivatives(points, self.assembler.order)
+            tested_loads(functions, load(one.where, points), found[one.numbers])
+        return found.T
+
+    def columns(self, form: FormAt, *, symmetric: bool) -> sparse.csr_matrix:
+        """The columns (active + functions, functions) of a form: tests are splines, then these functions."""
+        with self.assembler.pool() as pool:
+            numbers = range(len(self.beside))
+            made = list((map if pool is None else pool.map)(lambda k: self._of_one(k, form, symmetric), numbers))
+        rows, columns, values = (np.concatenate(parts) for parts in zip(_NONE, *made, strict=True))
+        return sparse.coo_matrix((values, (rows, columns)), (self._active + self.count, self.count)).tocsr()
+
+    def _of_one(self, number: int, form: FormAt, symmetric: bool) -> tuple[Ints, Ints, Floats]:
+        """The rows, columns and values of what one of `beside` has with the splines and with others."""
+        one, where, order = self.beside[number], self.where, self.assembler.order
+        points = where.points[one.where]
+        functions, forms = one.derivatives(points, order), np.ascontiguousarray(form(one.where, points))
+        loads = np.empty_like(functions)
+        apply_forms(forms, functions, loads)
+        cells, _, plain = where.groups
+        own = CellPoints(points, where.cells[one.where], cells[plain], where.order)
+        across = self.assembler.columns(own, lambda some, _: loads[some], self.tests, one.count).tocoo()
+        found = [(across.row.astype(np.int64), across.col + one.first, across.data)]
+        place = np.full(len(where.points), -1, np.int64)
+        place[one.where] = np.arange(len(one.where))
+        for k in range(number + 1 if symmetric else len(self.beside)):
+            other = self.beside[k]
+            mine = place[other.where]
+            common = np.flatnonzero(mine >= 0)
+            if len(common):
+                theirs = functions if k == number else other.derivatives(where.points[other.where[common]], order)
+                block = np.zeros((other.count, one.count))
+                tested_loads(theirs, loads if k == number else loads[mine[common]], block)
+                i, j = (part.ravel() for part in np.indices(block.shape))
+                found.append((i + other.first + self._active, j + one.first, block.ravel()))
+                if symmetric and k < number:
+                    found.append((j + one.first + self._active, i + other.first, block.ravel()))
+        return tuple(np.concatenate(parts) for parts in zip(*found, strict=True))
+
+    @property
+    def _active(self) -> int:
+        return len(self.assembler.splines.active)
+
+
+_NONE = np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
