@@ -254,7 +254,8 @@ class Discretisation:
             raise RsymError(
                 "a condition on du/dn needs an equation that diffuses alike in all directions",
                 code="condition",
-                remedy='"-div(k*grad(u)) = f" with a number or an expression k',
+                remedy='"-div(k*grad(u)) = f" with a number or an expression k; rsym.solve_form of forms, in which the '
+                "flux is what is natural",
             )
         found: Floats = problem.coefficients(points)[0]
         return found

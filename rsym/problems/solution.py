@@ -384,8 +384,13 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
     problem = oriented(on_cells(problem, float(np.max(rule.grid.size))), rule.points)
     discrete = Discretisation(problem, rule, degree)
     discrete.require_level()
-    definite = problem.equation.definite
-    found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension)
+    found = solve_system(
+        discrete.matrix,
+        discrete.right,
+        definite=problem.equation.definite,
+        dimension=problem.dimension,
+        symmetric=problem.equation.symmetric,
+    )
     inner = discrete.splines.extension.shape[1]
     told = reported(rule, cells, degree, found).of_corners(problem.corners)
     coefficients = discrete.splines.extension @ found.values[:inner]

@@ -60,7 +60,7 @@ def solve_form(
     Returns
     -------
     Solution
-        As of `solve`, for one problem the same to the last bit; it pickles if functions among the letters do.
+        As of `solve`, of the same compiled system; it pickles if the functions among the letters do.
 
     Raises
     ------

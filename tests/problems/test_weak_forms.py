@@ -45,12 +45,12 @@ def swirl(x, y):
     [
         (laplace, one, 0, {}, "-laplacian(u) = 1", 0),
         (
-            {"inside": laplace, "rim": lambda u, v, w: 2 * u * v},
+            {"inside": laplace, "rim": lambda u, v, w: w.c * u * v},
             {"inside": lambda v, w: np.exp(w.x[0]) * v, "rim": lambda v, w: w.x[1] * v},
             {"bore": x},
-            {},
+            {"c": swirl},
             "-laplacian(u) = exp(x)",
-            {"bore": x, "rim": rsym.robin(2, y)},
+            {"bore": x, "rim": rsym.robin(swirl, y)},
         ),
         (
             lambda u, v, w: w.k * laplace(u, v, w) + w.x[1] ** 2 * u * v + (w.b @ u.grad) * v,
