@@ -175,6 +175,14 @@ def test_a_form_of_the_residual_is_consistent_on_every_grid():
         assert error(rsym.solve_form(RIM, a, l, 0, cells=cells), u) < 1e-10
 
 
+def test_the_size_of_cells_is_that_of_the_grid():
+    shape = rsym.disc(sp.Symbol("d"), letters={"d": 1})
+    found = rsym.solve_form(shape, lambda u, v, w: u * v, lambda v, w: w.h * v, cells=6)
+    for one, size in ((found, 2 / 6), (found.with_letters({"d": 3}), 6 / 6)):
+        assert abs(one(0, 0) / np.max(one.rule.grid.size) - 1) < 1e-12
+        assert abs(one(0, 0) / size - 1) < 0.1
+
+
 def test_forms_of_parts_and_of_the_rest_hold_where_they_say():
     half = (RIM & rsym.half_plane((0, 1), 0).named("cut")).named("half")
     length = {"rim": math.pi, "cut": 2.0, "half": math.pi + 2, "boundary": math.pi + 2}
@@ -298,7 +306,9 @@ def a_of(text):
         "text": "u*v",
         "hyperbolic": lambda u, v, w: u.x * v.x - u.y * v.y,
         "first order": lambda u, v, w: u.x * v,
-        "indefinite plate": lambda u, v, w: u.hess[0, 0] * v.hess[0, 0] - u.hess[1, 1] * v.hess[1, 1],
+        "indefinite plate": lambda u, v, w: (
+            u.laplacian * v.laplacian + 3 * (u.hess[0, 0] * v.hess[0, 1] + u.hess[0, 1] * v.hess[0, 0])
+        ),
         "part": {"inside": laplace, "rum": lambda u, v, w: u * v},
         "too high": lambda u, v, w: u.laplacian * v.laplacian,
         "level": laplace,
