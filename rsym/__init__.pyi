@@ -96,6 +96,7 @@ from .problems.solving import solve
 from .problems.spectra import Spectrum, modes
 from .problems.stated import StatedProblem, load_problem
 from .problems.torsion import Torsion, torsion
+from .problems.weak_solving import solve_form
 from .program.fields import SIX
 from .sampling.contours import LevelLines, level_lines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
@@ -333,6 +334,7 @@ __all__ = [
     "smoothness_threshold",
     "solution_structure",
     "solve",
+    "solve_form",
     "source",
     "space_curve",
     "sphere",

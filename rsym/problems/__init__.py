@@ -7,13 +7,13 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `interpolation`: values and normal derivatives on parts, by one function; `solution_structures`: functions with
   undetermined ones in them that meet conditions
 - `terms`: what is linear in an unknown function; `equation_text`, `equations`: a differential equation, of text or
-  SymPy, as its coefficients
+  SymPy, as its coefficients; `weak/`: forms of u and v, written as functions, as theirs
 - `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
   solution is made of; `posing`: its conditions as the letters of its shape have them
 - `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small;
   `printed`: a solution as an expression; `extremes`: its least value; `solution`: what comes out
-- `solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane; `stated`: what a
-  model file asks
+- `solving`, `weak_solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane;
+  `stated`: what a model file asks
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypeAlias
 
 import sympy as sp
 
@@ -15,15 +15,16 @@ from rsym.language.syntax import Call, Expression, Name, Product, Sum, Vector, n
 from rsym.model.symbols import real_symbol, substitute
 from rsym.model.systems import R0
 from rsym.model.wording import listing, proposal
-from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, VectorTerm, too_high
+from rsym.problems.terms import SECOND, MatrixTerm, Meaning, Row, ScalarTerm, TermCalculus, VectorTerm, too_high
 
-ANISOTROPIC = "what diffuses by a matrix is written -div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + 3*diff(u, y)])"
+ANISOTROPIC = "what diffuses by a matrix is written -div([[2, k], [k, 3]]*grad(u))"
+Read: TypeAlias = ScalarTerm | VectorTerm | MatrixTerm
 
 
 class EquationReader:
     """The tree of an equation to its coefficients: formulas without u by the builder of the language, the rest here."""
 
-    def __init__(self, calculus: TermCalculus, meanings: Mapping[str, sp.Expr]) -> None:
+    def __init__(self, calculus: TermCalculus, meanings: Mapping[str, Meaning]) -> None:
         self._d = calculus
         self._meanings = meanings
         self._builder = FormulaBuilder(operations(R0))
@@ -31,12 +32,13 @@ class EquationReader:
     def scalar(self, expression: Expression) -> ScalarTerm:
         """A side of an equation."""
         found = self._read(expression)
-        if isinstance(found, VectorTerm):
-            raise expression.place.refuse("a vector stands where a number must", "equation", "take its divergence")
+        if not isinstance(found, ScalarTerm):
+            what = "a vector" if isinstance(found, VectorTerm) else "a matrix"
+            raise expression.place.refuse(f"{what} stands where a number must", "equation", "take its divergence")
         return found
 
-    def _read(self, expression: Expression) -> ScalarTerm | VectorTerm:
-        done: list[ScalarTerm | VectorTerm | None] = []
+    def _read(self, expression: Expression) -> Read:
+        done: list[Read | None] = []
         held: list[bool] = []
         for node in postorder(expression):
             first = len(done) - len(node.parts)
@@ -50,10 +52,9 @@ class EquationReader:
             done[first:], held[first:] = [made if mixed else None], [mixed]
         return self._plain(expression) if done[0] is None else done[0]
 
-    @staticmethod
-    def _is_mixed(node: Expression) -> bool:
-        unknown = isinstance(node, Name) and node.name == UNKNOWN
-        return unknown or isinstance(node, Vector) or (isinstance(node, Call) and node.function in OPERATORS)
+    def _is_mixed(self, node: Expression) -> bool:
+        known = isinstance(node, Name) and (node.name == UNKNOWN or isinstance(self._meanings.get(node.name), tuple))
+        return known or isinstance(node, Vector) or (isinstance(node, Call) and node.function in OPERATORS)
 
     def _plain(self, expression: Expression) -> ScalarTerm:
         """A formula without u."""
@@ -74,11 +75,13 @@ class EquationReader:
         places = {real_symbol(name): self._meanings[name] for name in known if name in self._meanings}
         return replace(self._d.nothing, value=substitute(value, places) if places else value)
 
-    def _combined(self, node: Expression, parts: list[ScalarTerm | VectorTerm]) -> ScalarTerm | VectorTerm:
+    def _combined(self, node: Expression, parts: list[Read]) -> Read:
         d = self._d
         match node:
-            case Name():
+            case Name() if node.name == UNKNOWN:
                 return replace(d.nothing, zero=sp.S.One)
+            case Name():
+                return self._meant(node)
             case Vector():
                 return self._vector(node, parts)
             case Sum():
@@ -87,11 +90,11 @@ class EquationReader:
                     for sign, one in zip(node.signs, parts, strict=True)
                 ]
                 if len({type(one) for one in terms}) > 1:
-                    raise node.place.refuse("a sum of a number and a vector", "equation", "correct the equation")
+                    raise node.place.refuse("a sum of numbers and vectors", "equation", "correct the equation")
                 total: Any = terms[0]
                 for one in terms[1:]:
                     total = total.plus(one)
-                summed: ScalarTerm | VectorTerm = total
+                summed: Read = total
                 return summed
             case Product():
                 return self._product(node, parts)
@@ -101,7 +104,24 @@ class EquationReader:
             f"the equation is not linear in {UNKNOWN}", "equation", "linear equations are solved: no powers of u"
         )
 
-    def _vector(self, node: Vector, parts: list[ScalarTerm | VectorTerm]) -> VectorTerm:
+    def _meant(self, node: Name) -> Read:
+        """The vector or matrix that a name stands for."""
+        d, rows = self._d, self._meanings[node.name]
+        assert isinstance(rows, tuple)
+        shape = {len(row) if isinstance(row, tuple) else 0 for row in rows}
+        if len(rows) != len(d.coordinates) or shape not in ({0}, {len(rows)}) or _deep(rows):
+            raise node.place.refuse(
+                f"{node.name} is neither a vector of {len(d.coordinates)} numbers nor a matrix of such",
+                "equation",
+                f"letters={{'{node.name}': ((2, 0), (0, 1))}}",
+            )
+        known: Any = rows
+        return MatrixTerm(known) if shape != {0} else VectorTerm(known, d.zeros, (d.zeros,) * len(rows), sp.S.Zero)
+
+    def _vector(self, node: Vector, parts: list[Read]) -> VectorTerm | MatrixTerm:
+        rows = [one.value for one in parts if isinstance(one, VectorTerm) and one.plain]
+        if len(rows) == len(parts) == len(self._d.coordinates):
+            return MatrixTerm(tuple(rows))
         numbers = [one for one in parts if isinstance(one, ScalarTerm)]
         if len(numbers) != len(parts) or len(parts) != len(self._d.coordinates):
             raise node.place.refuse(
@@ -116,19 +136,23 @@ class EquationReader:
             sp.S.Zero,
         )
 
-    def _product(self, node: Product, parts: list[ScalarTerm | VectorTerm]) -> ScalarTerm | VectorTerm:
+    def _product(self, node: Product, parts: list[Read]) -> Read:
         factor: sp.Expr = sp.S.One
-        whole: ScalarTerm | VectorTerm | None = None
+        whole: Read | None = None
         for sign, one in zip(node.signs, parts, strict=True):
             if isinstance(one, ScalarTerm) and one.plain:
                 factor = factor * one.value if sign > 0 else factor / one.value
             elif whole is None and sign > 0:
                 whole = one
+            elif sign > 0 and isinstance(whole, MatrixTerm) and isinstance(one, VectorTerm):
+                whole = whole.times(one)
             elif sign > 0 and {type(one), type(whole)} == {ScalarTerm, VectorTerm}:
                 whole = self._times(node, *((one, whole) if isinstance(one, ScalarTerm) else (whole, one)))
             else:
                 raise node.place.refuse(
-                    f"the equation is not linear in {UNKNOWN}", "equation", "of vectors take the product by dot(v, w)"
+                    f"the equation is not linear in {UNKNOWN}, or a product of vectors is in it",
+                    "equation",
+                    "of vectors take the product by dot(v, w), of a matrix and a vector k*grad(u)",
                 )
         return replace(self._d.nothing, value=factor) if whole is None else whole.scaled(factor, self._d)
 
@@ -139,12 +163,13 @@ class EquationReader:
         zeros = self._d.zeros
         return VectorTerm(zeros, tuple(s.zero * one for one in v.value), (zeros,) * len(zeros), sp.S.Zero)
 
-    def _called(self, node: Call, parts: list[ScalarTerm | VectorTerm]) -> ScalarTerm | VectorTerm:
+    def _called(self, node: Call, parts: list[Read]) -> Read:
         d, (first, *rest) = self._d, parts
         name = node.function
         if name not in OPERATORS:
-            raise node.place.refuse(f"{name} of {UNKNOWN}: the equation is not linear", "equation", SECOND)
-        if isinstance(first, VectorTerm) != (name in ("div", "dot")):
+            what = UNKNOWN if all(isinstance(one, ScalarTerm) for one in parts) else "a vector or a matrix"
+            raise node.place.refuse(f"{name} of {what}: the equation is not linear", "equation", SECOND)
+        if isinstance(first, MatrixTerm) or isinstance(first, VectorTerm) != (name in ("div", "dot")):
             what = "a vector" if name in ("div", "dot") else "a number"
             raise node.place.refuse(f"{name} takes {what}", "equation", 'for example "-div(k*grad(u)) = f"')
         if isinstance(first, VectorTerm):
@@ -177,3 +202,8 @@ class EquationReader:
 
         first = tuple(with_known(tuple(rest.matrix[i][j] for i in axes)) for j in axes)
         return replace(self._d.nothing, value=with_known(rest.value), zero=with_known(rest.zero), first=first)
+
+
+def _deep(rows: tuple[Any, ...]) -> bool:
+    """Whether entries of a matrix are vectors again."""
+    return any(isinstance(one, tuple) for row in rows if isinstance(row, tuple) for one in row)

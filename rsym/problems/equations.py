@@ -22,8 +22,8 @@ from rsym.language.stating import WrittenEquation
 from rsym.model.shape import Shape
 from rsym.model.symbols import as_expression, real_replacements, real_symbol, substitute
 from rsym.model.wording import listing
-from rsym.problems.equation_text import ANISOTROPIC, EquationReader
-from rsym.problems.terms import SECOND, Row, ScalarTerm, TermCalculus, too_high
+from rsym.problems.equation_text import EquationReader
+from rsym.problems.terms import SECOND, Meaning, Row, ScalarTerm, TermCalculus, too_high
 
 Function = Callable[..., Any]
 
@@ -56,6 +56,11 @@ class EllipticEquation:
         return 2 if self.bending == 0 else 4
 
     @property
+    def highest(self) -> int:
+        """The order of the highest derivatives that are integrated."""
+        return self.order // 2
+
+    @property
     def leading(self) -> sp.Expr:
         """The coefficient whose sign is that of the highest derivatives."""
         return self.bending if self.bending != 0 else self.diffusion[0][0]
@@ -68,11 +73,40 @@ class EllipticEquation:
         return even and not any(self.convection)
 
     @property
+    def definite(self) -> bool:
+        """Whether the form of the equation is symmetric and not below 0, for what can be said of its coefficients."""
+        return self.symmetric and bool(self.reaction.is_nonnegative)
+
+    @property
+    def negated(self) -> EllipticEquation:
+        """The equation times -1."""
+        return replace(
+            self,
+            diffusion=tuple(tuple(-one for one in row) for row in self.diffusion),
+            convection=tuple(-one for one in self.convection),
+            reaction=-self.reaction,
+            bending=-self.bending,
+            load=-self.load,
+        )
+
+    @property
     def expressions(self) -> dict[str, sp.Expr]:
         """The coefficients by names: ``a01``, ``b0``, ``c``, ``d``, ``f``."""
         found = {f"a{i}{j}": value for i, row in enumerate(self.diffusion) for j, value in enumerate(row)}
         found |= {f"b{i}": value for i, value in enumerate(self.convection)}
         return found | {"c": self.reaction, "d": self.bending, "f": self.load}
+
+    @property
+    def places(self) -> dict[tuple[int, int], str]:
+        """Which of them is the coefficient of a pair of derivatives, of v and of u, those of bending left out."""
+        n = range(len(self.coordinates))
+        found = {(0, 1 + i): f"b{i}" for i in n} | {(1 + i, 1 + j): f"a{i}{j}" for i in n for j in n}
+        return found | {(0, 0): "c"}
+
+    @property
+    def load_places(self) -> dict[int, str]:
+        """And which that of a derivative of v on the right side."""
+        return {0: "f"}
 
 
 def equation_of(
@@ -80,7 +114,8 @@ def equation_of(
 ) -> EllipticEquation:
     """The equation that a text, or an equation or an expression of SymPy, states.
 
-    named : what names stand for that are no coordinates: an expression, a Shape, a Python function of coordinates.
+    named : what names stand for that are no coordinates: an expression, a Shape, a Python function of coordinates, or
+        vectors and matrices of these.
 
     Raises
     ------
@@ -95,20 +130,7 @@ def equation_of(
     >>> equation_of(sp.Eq(-u.diff(x, 2) - u.diff(y, 2) + u, x), (x, y)) == equation_of("-laplacian(u) + u = x", (x, y))
     True
     """
-    functions, meanings = {}, {}
-    for name, value in (named or {}).items():
-        if isinstance(value, Shape):
-            meanings[name] = value.expression
-        elif callable(value) and not isinstance(value, sp.Basic):
-            functions[name], meanings[name] = value, real_symbol(name)
-        elif isinstance(value, sp.MatrixBase | np.ndarray | list | tuple):
-            raise RsymError(
-                f"{name} must be a number, an expression, a shape or a function, got {value!r}",
-                code="equation",
-                remedy=ANISOTROPIC,
-            )
-        else:
-            meanings[name] = as_expression(value)
+    functions, meanings = meanings_of(named or {})
     calculus = TermCalculus(coordinates, frozenset(map(real_symbol, functions)))
     if isinstance(given, WrittenEquation):
         meanings = {**given.meanings, **meanings}
@@ -134,19 +156,33 @@ def equation_of(
             remedy="divide the equation by it",
         )
     # laplacian(u) = f and -laplacian(u) = -f are one equation.
-    return negated(made) if made.leading.is_negative else made
+    return made.negated if made.leading.is_negative else made
 
 
-def negated(e: EllipticEquation) -> EllipticEquation:
-    """The equation times -1."""
-    return replace(
-        e,
-        diffusion=tuple(tuple(-one for one in row) for row in e.diffusion),
-        convection=tuple(-one for one in e.convection),
-        reaction=-e.reaction,
-        bending=-e.bending,
-        load=-e.load,
-    )
+def meanings_of(named: Mapping[str, Any]) -> tuple[dict[str, Function], dict[str, Meaning]]:
+    """The Python functions among what names stand for, and what each name means: vectors and matrices as tuples.
+
+    Examples
+    --------
+    >>> meanings_of({"k": [[2, 0], [0, 1]], "c": abs})
+    ({'c': <built-in function abs>}, {'k': ((2, 0), (0, 1)), 'c': c})
+    """
+    functions: dict[str, Function] = {}
+
+    def meaning(name: str, value: Any) -> Meaning:
+        if isinstance(value, Shape):
+            return value.expression
+        if isinstance(value, sp.MatrixBase | np.ndarray) and np.ndim(value):
+            value = list(value) if isinstance(value, sp.MatrixBase) and value.cols == 1 else value.tolist()
+        if isinstance(value, list | tuple):
+            return tuple(meaning(f"{name}__{k}", one) for k, one in enumerate(value))
+        if callable(value) and not isinstance(value, sp.Basic):
+            functions[name] = value
+            return real_symbol(name)
+        return as_expression(value)
+
+    meanings = {name: meaning(name, value) for name, value in named.items()}
+    return functions, meanings
 
 
 def _even(matrix: tuple[Row, ...]) -> tuple[Row, ...]:

@@ -8,25 +8,81 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import numpy as np
 import sympy as sp
 from scipy import sparse
 
-from rsym.analysis.conditions import Dirichlet, Robin
-from rsym.arrays import Floats
+from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported
+from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
+from rsym.logic.leaf_names import leaf_parts
 from rsym.problems.plates import bending
-from rsym.problems.problem import Problem, value_at
+from rsym.problems.pointwise import formulas
+from rsym.problems.problem import Problem, on_part, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
 from rsym.problems.systems.borders import SystemBorder
 from rsym.problems.systems.cell_code import apply_forms
 from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, extended
+from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
 
+BENDING = "d"  # the coefficient of a bilaplacian
 Jets = Callable[[Floats], Floats]
+
+
+@dataclass(frozen=True)
+class EdgePart:
+    """A form and a load at points of the boundary, weights in them, by the derivatives of v and u that they are on."""
+
+    where: CellPoints
+    form: Mapping[tuple[int, int], Floats]
+    load: Mapping[int, Floats]
+    kinds: int
+    symmetric: bool = True
+
+    @property
+    def has_form(self) -> bool:
+        """Whether there is a form that is not 0 at all points."""
+        return any(values.any() for values in self.form.values())
+
+    @property
+    def has_load(self) -> bool:
+        """Whether there is such a load."""
+        return any(values.any() for values in self.load.values())
+
+    @property
+    def holds_level(self) -> bool:
+        """Whether the form of a constant u is something."""
+        return any(values.any() for (_, trial), values in self.form.items() if trial == 0)
+
+    def form_at(self, some: slice, points: Floats) -> Floats:
+        """The form (n, kinds, kinds) at some of the points."""
+        found = np.zeros((len(points), self.kinds, self.kinds))
+        for (test, trial), values in self.form.items():
+            found[:, test, trial] = values[some]
+        return found
+
+    def load_at(self, some: slice, points: Floats) -> Floats:
+        """The load (n, kinds, 1) there."""
+        found = np.zeros((len(points), self.kinds, 1))
+        for test, values in self.load.items():
+            found[:, test, 0] = values[some]
+        return found
+
+
+@dataclass(frozen=True)
+class At:
+    """The function that has given values at given points."""
+
+    values: Floats
+
+    def __call__(self, *coordinates: Floats) -> Floats:
+        """These values."""
+        return self.values
 
 
 @dataclass(frozen=True)
@@ -86,30 +142,30 @@ class Discretisation:
         values = dict(zip(self.problem.equation.expressions, self.problem.coefficients(points), strict=True))
         self._require_elliptic(values, points)
         form = np.zeros((len(points), self.kinds, self.kinds))
-        for i in range(dimension):
-            form[:, 0, 1 + i] = weights * values[f"b{i}"]
-            for j in range(dimension):
-                form[:, 1 + i, 1 + j] = weights * values[f"a{i}{j}"]
-        form[:, 0, 0] = weights * values["c"]
-        if self.problem.order == 2:
+        for (test, trial), name in self.problem.equation.places.items():
+            form[:, test, trial] = weights * values[name]
+        if BENDING in values and self.problem.order == 2:
             second = slice(1 + dimension, None)
             work = bending(dimension, self.problem.poisson)
-            form[:, second, second] = (weights * values["d"])[:, None, None] * work
+            form[:, second, second] = (weights * values[BENDING])[:, None, None] * work
         return form
 
     def load_form(self, some: Some, points: Floats) -> Floats:
         """Of the right side, (n, kinds, 1)."""
-        place = list(self.problem.equation.expressions).index("f")
+        equation = self.problem.equation
+        values = dict(zip(equation.expressions, self.problem.coefficients(points), strict=True))
+        weights = self.rule.weights[some] * self.problem.radius(points)
         found = np.zeros((len(points), self.kinds, 1))
-        found[:, 0, 0] = (
-            self.rule.weights[some] * self.problem.radius(points) * self.problem.coefficients(points)[place]
-        )
+        for test, name in equation.load_places.items():
+            found[:, test, 0] = weights * values[name]
         return found
 
     def _require_elliptic(self, values: Mapping[str, Floats], points: Floats) -> None:
-        dimension = self.problem.dimension
-        if self.problem.order == 2:
-            wrong = ~(values["d"] > 0)
+        dimension, equation = self.problem.dimension, self.problem.equation
+        if equation.order == 4:
+            wrong = ~(values[BENDING] > 0) if BENDING in values else self._folded(values)
+        elif set(equation.places) == {(0, 0)}:
+            return  # what is solved is no equation but a projection
         else:
             # Sylvester: the leading minors of the symmetric part are positive.
             a = [[(values[f"a{i}{j}"] + values[f"a{j}{i}"]) / 2 for j in range(dimension)] for i in range(dimension)]
@@ -126,23 +182,65 @@ class Discretisation:
                 remedy="the coefficients of the second derivatives must be positive definite all over the shape",
             )
 
+    def _folded(self, values: Mapping[str, Floats]) -> Flags:
+        """Where a form of second derivatives is not above 0 for waves in each of a few directions."""
+        every = derivatives(self.problem.dimension, 2)
+        ways = np.array([way for way in product((-1.0, 0.0, 1.0), repeat=self.problem.dimension) if any(way)])
+        waves = np.array([np.prod(ways**index, axis=1) if sum(index) == 2 else 0 * ways[:, 0] for index in every])
+        total = sum(
+            np.multiply.outer(waves[test] * waves[trial], values[name])
+            for (test, trial), name in self.problem.equation.places.items()
+        )
+        wrong: Flags = ~np.all(total > 0, axis=0)
+        return wrong
+
     # -- the boundary ----------------------------------------------------------------------------------------------
 
     @cached_property
-    def flux_parts(self) -> tuple[tuple[CellPoints, Floats, Floats, Floats], ...]:
-        """Of each leaf with a condition on the flux: points, weights, the coefficient of u and the flux there."""
+    def edge_parts(self) -> tuple[EdgePart, ...]:
+        """What is integrated along each leaf of the boundary."""
         found = []
         boundary, problem = self.rule.boundary, self.problem
-        for leaf in problem.leaves(Robin):
-            condition = problem.conditions[leaf]
-            assert isinstance(condition, Robin)
+        terms = self._edge_terms
+        for leaf in sorted({*problem.leaves(Robin), *terms}):
             on = boundary.leaves == leaf
             where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
             weights = boundary.weights[on] * problem.radius(where.points)
-            both = [value_at(problem.shape, value, where.points) for value in (condition.coefficient, condition.flux)]
-            # du/dn is along A n: the flux of the equation is A grad u . n.
-            found.append((where, weights * self._conductivity(where.points), *both))
+            if not len(weights):
+                continue
+            condition = problem.conditions[leaf]
+            if leaf in terms:
+                found.append(self._edge_part(where, weights, terms[leaf], boundary.normals[on]))
+            elif isinstance(condition, Robin):
+                both = [
+                    value_at(problem.shape, value, where.points) for value in (condition.coefficient, condition.flux)
+                ]
+                # du/dn is along A n: the flux of the equation is A grad u . n.
+                weights = weights * self._conductivity(where.points)
+                found.append(EdgePart(where, {(0, 0): weights * both[0]}, {0: weights * both[1]}, self.kinds))
         return tuple(found)
+
+    @cached_property
+    def _edge_terms(self) -> dict[int, FormTerms]:
+        """The terms of a weak form on the leaves of the boundary that have some."""
+        problem, equation = self.problem, self.problem.equation
+        if not isinstance(equation, WeakForm):
+            return {}
+        for name in equation.edges:
+            if isinstance(name, str) and name != BOUNDARY:
+                on_part(problem, self.rule.boundary.leaves, name)
+        parts = leaf_parts(problem.form, problem.shape)
+        terms = {leaf: equation.on_leaf(parts[leaf]) for leaf in range(len(problem.conditions))}
+        return {leaf: one for leaf, one in terms.items() if one.form or one.load}
+
+    def _edge_part(self, where: CellPoints, weights: Floats, terms: FormTerms, normals: Floats) -> EdgePart:
+        """The terms at points of a leaf."""
+        beside = {name: At(column) for name, column in zip(NORMALS, np.transpose(normals), strict=False)}
+        functions: dict[str, Callable[..., Any]] = {**self.problem.equation.functions, **beside}
+        values = formulas(self.problem.shape, terms.expressions, functions)(where.points)
+        named = dict(zip(terms.expressions, weights * values, strict=True))
+        form = {pair: named[form_name(*pair)] for pair in terms.form}
+        return EdgePart(where, form, {kind: named[load_name(kind)] for kind in terms.load}, self.kinds, terms.symmetric)
 
     def _conductivity(self, points: Floats) -> Floats:
         """The number k, at points, of a diffusion that is k times the identity."""
@@ -153,7 +251,8 @@ class Discretisation:
             raise RsymError(
                 "a condition on du/dn needs an equation that diffuses alike in all directions",
                 code="condition",
-                remedy='"-div(k*grad(u)) = f" with a number or an expression k',
+                remedy='"-div(k*grad(u)) = f" with a number or an expression k; rsym.solve_form of forms, in which the '
+                "flux is what is natural",
             )
         found: Floats = problem.coefficients(points)[0]
         return found
@@ -161,9 +260,11 @@ class Discretisation:
     def require_level(self) -> None:
         """Refuse a problem whose solutions differ by constants, whatever makes its coefficients 0."""
         problem = self.problem
-        if problem.order != 1 or problem.leaves(Dirichlet) or any(part[2].any() for part in self.flux_parts):
+        fixed = problem.leaves(Dirichlet, Clamped, Supported) or any(part.holds_level for part in self.edge_parts)
+        if problem.equation.order != 2 or fixed:
             return
-        if not problem.coefficients(self.rule.points)[list(problem.equation.expressions).index("c")].any():
+        values = dict(zip(problem.equation.expressions, problem.coefficients(self.rule.points), strict=True))
+        if not any(values[name].any() for (_, trial), name in problem.equation.places.items() if trial == 0):
             raise RsymError(
                 "nothing fixes the level of the solution: with it every u + constant is one",
                 code="singular",
@@ -177,9 +278,9 @@ class Discretisation:
         """Of all functions: inner splines, then the others."""
         symmetric = self.problem.equation.symmetric
         own = self.assembler.matrix(self.inside, self.equation_form, self.tests, symmetric=symmetric)
-        for where, weights, coefficient, _ in self.flux_parts:
-            if len(weights) and coefficient.any():
-                own = own + self.assembler.matrix(where, at_values(weights * coefficient, self.kinds), self.tests)
+        for part in self.edge_parts:
+            if part.has_form:
+                own = own + self.assembler.matrix(part.where, part.form_at, self.tests, symmetric=part.symmetric)
         return self._bordered(extended(self.splines, own), self._forms, symmetric)
 
     def mass(self, density: sp.Expr | Callable[..., Any] = sp.S.One) -> sparse.csr_matrix:
@@ -194,9 +295,9 @@ class Discretisation:
     def right(self) -> Floats:
         """Of the load, the fluxes and the lift."""
         total = self.loads(self.inside, self.load_form)
-        for where, weights, _, flux in self.flux_parts:
-            if len(weights) and flux.any():
-                total = total + self.loads(where, single_load(weights * flux, self.kinds))
+        for part in self.edge_parts:
+            if part.has_load:
+                total = total + self.loads(part.where, part.load_at)
         lift = self.problem.lift(self.problem.order)
         if lift is not None:
             for where, form in self._forms():
@@ -208,10 +309,8 @@ class Discretisation:
 
     def _forms(self) -> list[tuple[CellPoints, FormAt]]:
         """The forms of the whole equation, with where they are integrated."""
-        found: list[tuple[CellPoints, FormAt]] = [(self.inside, self.equation_form)]
-        for where, weights, coefficient, _ in self.flux_parts:
-            found.append((where, at_values(weights * coefficient, self.kinds)))
-        return found
+        on_edges = [(part.where, part.form_at) for part in self.edge_parts if part.has_form]
+        return [(self.inside, self.equation_form), *on_edges]
 
     def loads(self, where: CellPoints, load: LoadAt, count: int = 1) -> Floats:
         """The loads (count, functions) of inner splines, then of the others."""

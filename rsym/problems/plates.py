@@ -17,6 +17,7 @@ from rsym.errors import RsymError
 from rsym.model.arguments import number
 from rsym.problems.problem import Problem
 from rsym.problems.splines.cardinals import derivatives
+from rsym.problems.weak.weak_form import WeakForm
 from rsym.program.differentiation import derivative
 
 EDGES = "of plates edges are rsym.clamped(), rsym.supported(), or free where nothing is said"
@@ -48,7 +49,7 @@ def checked_ratio(poisson: object) -> float | None:
 
 def require_edges(problem: Problem, *, single: bool) -> None:
     """Refuse conditions that are not those of the equation, and a plate that may move as a whole if `single`."""
-    if problem.order == 1:
+    if problem.equation.order == 2:
         if problem.leaves(Clamped, Supported):
             raise RsymError(
                 "clamped and supported edges are those of plates, the equation is of the order 2",
@@ -56,6 +57,8 @@ def require_edges(problem: Problem, *, single: bool) -> None:
                 remedy='"bilaplacian(u) = f", or a value, rsym.robin and the like',
             )
         return
+    if isinstance(problem.equation, WeakForm):
+        return  # what is natural on an edge is for the form to say
     if problem.axis >= 0 or (problem.dimension != 2 and problem.poisson is not None):
         raise RsymError("plates are in the plane", code="equation", remedy="leave axis= out, in space poisson= too")
     supported = problem.leaves(Supported)

@@ -10,7 +10,7 @@ import sympy as sp
 from numpy.polynomial import legendre
 
 from rsym.arrays import Floats
-from rsym.problems.galerkin import Discretisation, at_values
+from rsym.problems.galerkin import Discretisation
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.systems.forms import CellPoints
 from rsym.program.raising import raised
@@ -22,8 +22,7 @@ def printed(discrete: Discretisation, degree: int) -> sp.Expr:
     size = basis.count
     matrix, right = np.zeros((size, size)), np.zeros(size)
     where: list[tuple[CellPoints, Any, Any]] = [(discrete.inside, discrete.equation_form, discrete.load_form)]
-    for points, weights, coefficient, flux in discrete.flux_parts:
-        where.append((points, at_values(weights * coefficient, discrete.kinds), _load(weights * flux, discrete.kinds)))
+    where += [(part.where, part.form_at, part.load_at) for part in discrete.edge_parts]
     lift = discrete.problem.lift(discrete.problem.order)
     for points, form, load in where:
         for chunk in points.chunks():
@@ -41,15 +40,6 @@ def printed(discrete: Discretisation, degree: int) -> sp.Expr:
     beside = [raised(b.nodes, node) for node in discrete.problem.extra_nodes.values()]
     total = discrete.problem.lift_expression + raised(b.nodes, discrete.problem.weight_node) * basis.expression(found)
     return sp.Add(total, *(float(a) * one for a, one in zip(found[size - len(beside) :], beside, strict=True)))
-
-
-def _load(weights: Floats, kinds: int) -> Any:
-    def load(some: slice, points: Floats) -> Floats:
-        found = np.zeros((len(points), kinds, 1))
-        found[:, 0, 0] = weights[some]
-        return found
-
-    return load
 
 
 class _Polynomials:

@@ -30,11 +30,12 @@ from rsym.model.wording import listing, proposal
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
-from rsym.problems.equations import EllipticEquation, negated
+from rsym.problems.equations import EllipticEquation
 from rsym.problems.lifts import lift_of
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.systems.borders import Beside
+from rsym.problems.weak.weak_form import WeakForm, sized
 from rsym.program.lowering import lower
 
 VALUE, FLUX = "value", "flux"
@@ -83,7 +84,7 @@ class Problem:
     """
 
     shape: Shape
-    equation: EllipticEquation
+    equation: EllipticEquation | WeakForm
     named: Mapping[Name, BoundaryCondition]
     conditions: tuple[BoundaryCondition | None, ...]
     axis: int = -1
@@ -117,7 +118,7 @@ class Problem:
     @property
     def order(self) -> int:
         """Of the highest derivatives that are integrated."""
-        return self.equation.order // 2
+        return self.equation.highest
 
     @cached_property
     def weight_node(self) -> int:
@@ -238,7 +239,15 @@ def oriented(problem: Problem, points: Floats) -> Problem:
         return problem
     place = list(problem.equation.expressions.values()).index(leading)
     negative = problem.coefficients(points[:1])[place, 0] < 0
-    return replace(problem, equation=negated(problem.equation)) if negative else problem
+    return replace(problem, equation=problem.equation.negated) if negative else problem
+
+
+def on_cells(problem: Problem, size: float) -> Problem:
+    """The same problem where a form speaks of the size of cells."""
+    equation = problem.equation
+    if not isinstance(equation, WeakForm) or not equation.sized:
+        return problem
+    return replace(problem, equation=sized(equation, size))
 
 
 def value_at(shape: Shape, value: Any, points: Floats) -> Floats:

@@ -22,7 +22,7 @@ from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, on_part, oriented
+from rsym.problems.problem import Problem, on_cells, on_part, oriented
 from rsym.problems.refinement import Grade
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
@@ -400,12 +400,17 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
             f"an equation of the order {problem.equation.order} needs splines of the degree {problem.order} at least",
             code="degree",
         )
-    problem = oriented(problem, rule.points)
+    problem = oriented(on_cells(problem, float(np.max(rule.grid.size))), rule.points)
     discrete = Discretisation(problem, rule, degree)
     discrete.require_level()
-    definite = problem.equation.symmetric and bool(problem.equation.reaction.is_nonnegative)
-    last = discrete.extra_count
-    found = solve_system(discrete.matrix, discrete.right, definite=definite, dimension=problem.dimension, last=last)
+    found = solve_system(
+        discrete.matrix,
+        discrete.right,
+        definite=problem.equation.definite,
+        dimension=problem.dimension,
+        symmetric=problem.equation.symmetric,
+        last=discrete.extra_count,
+    )
     inner = discrete.splines.extension.shape[1]
     told = reported(rule, cells, degree, found).of_corners(problem.corners)
     coefficients = discrete.splines.extension @ found.values[:inner]

@@ -66,7 +66,8 @@ def solve(
         largest value, is below it; 1e-8 by default. The estimate is the difference from splines of one degree less.
     letters : mapping, optional
         Override the defaults of the shape, and say what other names in the equation are: a number, an expression, a
-        Shape (its omega), a Python function of arrays of coordinates.
+        Shape (its omega), a Python function of arrays of coordinates, or a vector or matrix of these, for
+        ``-div(k*grad(u))`` and ``dot(b, grad(u))``.
     axis : coordinate, optional
         The shape in the plane is half the section of a body of revolution about this axis; u does not depend on the
         angle, and operators are those of space.
@@ -104,6 +105,13 @@ def solve(
     """
     problem = problem_of(shape, equation, conditions, letters=letters, axis=axis, poisson=poisson)
     problem = with_corners(problem) if corners else problem
+    return answered(problem, degree, cells, tolerance, progress)
+
+
+def answered(
+    problem: Problem, degree: int, cells: int | None, tolerance: float | None, progress: Progress | None
+) -> Solution:
+    """The solution of a problem on a grid, or refined until its estimate of the error is small enough."""
     checked_degree(degree)
     if cells is not None:
         whole(cells, "the cells", 1)
@@ -150,15 +158,20 @@ def problem_of(
         )
     shape, named = lettered(shape, letters)
     found = equation_of(equation, shape.coordinates, named)
-    turned = -1
-    if axis is not None:
-        if shape.dimension != 2:
-            raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
-        turned = coordinate(axis, shape.coordinates, "the axis")
+    turned = turned_about(shape, axis)
     named_conditions = given_by_name(shape, conditions)
     made = posed(Problem(shape, found, named_conditions, (), turned, poisson=checked_ratio(poisson)))
     require_edges(made, single=single)
     return made
+
+
+def turned_about(shape: Shape, axis: Any) -> int:
+    """The number of the coordinate that a shape in the plane is turned about, -1 without an axis."""
+    if axis is None:
+        return -1
+    if shape.dimension != 2:
+        raise RsymError("axis= is for shapes in the plane", code="axis", remedy="leave it out")
+    return coordinate(axis, shape.coordinates, "the axis")
 
 
 def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, dict[str, Any]]:

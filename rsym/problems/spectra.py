@@ -209,7 +209,8 @@ def _require_mass(values: Floats, place: str) -> None:
 def _require_homogeneous(problem: Problem) -> None:
     """Refuse what makes L u = lambda*m*u no problem of eigenvalues."""
     flowing = any(problem.conditions[leaf].flux != 0 for leaf in problem.leaves(Robin))  # type: ignore[union-attr]
-    if problem.lift_expression != 0 or flowing or problem.equation.load != 0 or not problem.equation.symmetric:
+    loaded = problem.equation.expressions["f"] != 0
+    if problem.lift_expression != 0 or flowing or loaded or not problem.equation.symmetric:
         raise RsymError(
             "modes need conditions with values 0 and fluxes 0, and an equation without a right side and first "
             "derivatives",

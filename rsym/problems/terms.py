@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import sympy as sp
 
@@ -11,6 +12,8 @@ from rsym.errors import RsymError
 from rsym.model.symbols import symbols_of
 
 Row = tuple[sp.Expr, ...]
+# What a name stands for: an expression, or a vector or matrix of those.
+Meaning: TypeAlias = "sp.Expr | tuple[Meaning, ...]"
 SECOND = "what is solved has u, diff(u, x), laplacian(u), div(k*grad(u)), or bilaplacian(u), each times a coefficient"
 
 
@@ -79,6 +82,32 @@ class VectorTerm:
             tuple(map(added, self.matrix, other.matrix)),
             self.third + other.third,
         )
+
+
+@dataclass(frozen=True)
+class MatrixTerm:
+    """A matrix of coefficients, without u."""
+
+    rows: tuple[Row, ...]
+
+    def scaled(self, k: sp.Expr, d: TermCalculus) -> MatrixTerm:
+        """K times this."""
+        return MatrixTerm(tuple(tuple(k * one for one in row) for row in self.rows))
+
+    def plus(self, other: MatrixTerm) -> MatrixTerm:
+        """The sum."""
+        return MatrixTerm(tuple(map(added, self.rows, other.rows)))
+
+    def times(self, v: VectorTerm) -> VectorTerm:
+        """The product with a vector of derivatives up to the first."""
+        if v.third:
+            raise too_high()
+        columns = list(zip(*v.matrix, strict=True))
+        matrix = tuple(zip(*(self._applied(column) for column in columns), strict=True))
+        return VectorTerm(self._applied(v.value), self._applied(v.zero), matrix, sp.S.Zero)
+
+    def _applied(self, row: Row) -> Row:
+        return tuple(sum((a * b for a, b in zip(one, row, strict=True)), sp.S.Zero) for one in self.rows)
 
 
 def added(one: Row, other: Row) -> Row:

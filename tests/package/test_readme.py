@@ -356,6 +356,7 @@ def test_the_lines_about_fields():
     heat, shaft = space["heat"], space["shaft"]
     said = re.search(r"tolist\(\)  # (.*?);", code).group(1)
     assert str(heat(0, [1.0, 1.5, 0.0]).round(3).tolist()) == said
+    assert space["form"](0, 1.0) == heat(0, 1.0)
     told = re.search(r"5\)  # \((.*?), (.*?)\)", code)
     values = float(shaft), float(shaft.with_letters({"d": 1.5}))
     assert_close(np.array(values), np.array([float(told[1]), float(told[2])]), atol=1e-5)

@@ -45,6 +45,11 @@ MEANINGS = {
     "-div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + (3*diff(u, y) + x*u)]) = 1": lambda u: (
         -(2 * u.diff(x) + K * u.diff(y)).diff(x) - (K * u.diff(x) + 3 * u.diff(y) + x * u).diff(y) - 1
     ),
+    "-div([[2, k], [y, 3]]*(grad(u) + [x, 1]*u)) = 1": lambda u: (
+        -(2 * (u.diff(x) + x * u) + K * (u.diff(y) + u)).diff(x)
+        - (y * (u.diff(x) + x * u) + 3 * (u.diff(y) + u)).diff(y)
+        - 1
+    ),
     "3*bilaplacian(u) - laplacian(u) = x": lambda u: 3 * laplacian(laplacian(u)) - laplacian(u) - x,
     "laplacian(laplacian(u)) = 1": lambda u: laplacian(laplacian(u)) - 1,
 }
@@ -96,7 +101,13 @@ def test_in_space_there_are_three_derivatives():
         ("-diff(u, k) = 1", "equation", "by coordinates"),
         ("(1 + x^2)*bilaplacian(u) = 1", "equation", "depends on x"),
         ("-dot(grad(u), grad(u)) = 1", "equation", "without u"),
-        ("-div([[2, 1], [1, 3]]*grad(u)) = 1", "equation", "a vector has 2 numbers"),
+        ("-div([[2, 1], 3]*grad(u)) = 1", "equation", "a vector has 2 numbers"),
+        ("-div([[2, 1, 0], [1, 3, 0]]*grad(u)) = 1", "equation", "a vector has 2 numbers"),
+        ("-div(grad(u)*[[2, 1], [1, 3]]) = 1", "equation", "product of vectors"),
+        ("[[2, 1], [1, 3]]*grad(u) = 1", "equation", "a vector stands"),
+        ("[[2, 1], [1, 3]] = u", "equation", "a matrix stands"),
+        ("-div(grad([[2, 1], [1, 3]])) = u", "equation", "grad takes a number"),
+        ("-laplacian(u) = sin([[2, 1], [1, 3]])", "equation", "sin of a vector or a matrix"),
         ("-div([laplacian(u), 0]) = 1", "equation", "order"),
     ],
 )
@@ -107,11 +118,32 @@ def test_what_is_no_equation_is_refused_with_a_remedy(text, code, words):
     assert raised.value.remedy
 
 
-@pytest.mark.parametrize("matrix", [sp.Matrix([[2, 0], [0, 1]]), [[2, 0], [0, 1]]])
-def test_a_matrix_as_a_coefficient_is_refused_with_the_way_to_write_it(matrix):
-    with pytest.raises(rsym.RsymError, match="k must be a number") as raised:
-        equation_of("-div(k*grad(u)) = 1", (x, y), {"k": matrix})
-    assert "-div([2*diff(u, x)" in raised.value.remedy
+TENSOR = sp.Matrix([[2 + x, y], [x, 3]])
+
+
+@pytest.mark.parametrize("matrix", [TENSOR, [[2 + x, y], [x, 3]], ((2 + x, rsym.Shape(y, (x, y))), (x, 3))])
+@pytest.mark.parametrize("vector", [sp.Matrix([y, 2]), (y, 2)])
+def test_matrices_and_vectors_are_coefficients(matrix, vector):
+    text = "-div(2*k*grad(u)/3) - div((k + [[1, 0], [0, 1]])*[x*u, 1]) + dot(b, grad(u)) = dot(b, [1, x])"
+    equation = equation_of(text, (x, y), {"k": matrix, "b": vector})
+    u = x**4 * y + sp.sin(x) * y**3
+    flux = sp.Rational(2, 3) * TENSOR * sp.Matrix([u.diff(x), u.diff(y)]) + (TENSOR + sp.eye(2)) * sp.Matrix([x * u, 1])
+    wanted = -flux[0].diff(x) - flux[1].diff(y) + y * u.diff(x) + 2 * u.diff(y) - y - 2 * x
+    assert sp.simplify(applied(equation, u) - wanted) == 0
+
+
+def test_entries_of_a_matrix_may_be_functions():
+    equation = equation_of("-div(k*grad(u)) = 1", (x, y), {"k": [[lambda x, y: 2 + x, 0], [0, 1]]})
+    ((name, function),) = equation.functions.items()
+    assert equation.diffusion == ((sp.Symbol(name, real=True), 0), (0, 1))
+    assert function(3.0, 0.0) == 5.0
+
+
+@pytest.mark.parametrize("wrong", [(1, 2, 3), ((1, 2), 3), ((1, 2, 3), (4, 5, 6)), (((1, 2), 3), (4, 5))])
+def test_what_is_no_matrix_of_the_plane_is_refused(wrong):
+    with pytest.raises(rsym.RsymError, match="neither a vector of 2") as raised:
+        equation_of("-div(k*grad(u)) = 1", (x, y), {"k": wrong})
+    assert raised.value.code == "equation"
 
 
 def test_several_unknown_functions_are_refused():

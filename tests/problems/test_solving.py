@@ -194,10 +194,20 @@ def test_the_sign_of_an_equation_is_that_of_its_values(text, letters, here):
     assert abs(found(0.5, 0) - here) < 1e-9
 
 
-def test_what_diffuses_by_a_matrix():
-    text = "-div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + 3*diff(u, y)]) = 10"
-    found = rsym.solve(RIM, text, 0, cells=6, letters={"k": 0.5})
+@pytest.mark.parametrize(
+    ("text", "letters"),
+    [
+        ("-div([2*diff(u, x) + k*diff(u, y), k*diff(u, x) + 3*diff(u, y)]) = 10", {}),
+        ("-div([[2, k], [k, 3]]*grad(u)) = 10", {}),
+        ("-div(q*grad(u)) = 10", {"q": sp.Matrix([[2, sp.Symbol("k")], [sp.Symbol("k"), 3]])}),
+        ("-div(q*grad(u)) = 10", {"q": ((lambda x, y: 2 + 0 * x, 0.25), (0.75, rsym.Shape(3 + 0 * x, (x, y))))}),
+    ],
+)
+def test_what_diffuses_by_a_matrix(text, letters):
+    found = rsym.solve(RIM, text, 0, cells=6, letters={"k": 0.5, **letters})
     assert abs(found(0.5, 0) - 0.75) < 1e-9  # u = 1 - x^2 - y^2: 2*2 + 2*3, and 0 from k
+    if "k" in found.shape.letters:
+        assert abs(found.with_letters({"k": 1})(0.5, 0) - 0.75) < 1e-9
 
 
 def test_modes_of_an_equation_with_a_sign_of_its_values():

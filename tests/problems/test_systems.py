@@ -28,12 +28,50 @@ def test_both_ways_to_solve_agree_with_dense_algebra(monkeypatch):
         assert found.residual < 1e-12
 
 
-def test_threads_do_not_change_the_bits_of_conjugate_gradients(monkeypatch):
+def carried(n):
+    """One that is not symmetric."""
+    along = sparse.kron(sparse.diags([-1.0, 1.0], [-1, 1], shape=(n, n)), sparse.eye(n))
+    return (laplace(n) + sparse.diags(laplace(n).diagonal() / 6) @ along).tocsr()
+
+
+def test_what_is_not_symmetric_is_solved_by_steps_or_by_factors_where_these_are_slow(monkeypatch):
+    matrix, right = carried(12), np.arange(144.0)
+    exact = np.linalg.solve(matrix.toarray(), right)
+
+    def found():
+        return linear.solve_system(matrix, right, definite=False, dimension=3, symmetric=False)
+
+    factored = found()
+    monkeypatch.setitem(linear.DIRECT_UNEVEN, 3, 10)
+    steps = found()
+    monkeypatch.setattr(linear, "UNEVEN_STEPS", 5)
+    slow = found()
+    assert factored.steps == slow.steps == 0 < steps.steps < 400
+    for one in (factored, steps, slow):
+        np.testing.assert_allclose(one.values, exact, rtol=1e-8)
+        assert one.residual < 1e-11
+
+
+def test_a_singular_system_that_is_not_symmetric_is_refused_by_steps_too(monkeypatch):
+    monkeypatch.setitem(linear.DIRECT_UNEVEN, 3, 10)
+    one = np.eye(60)
+    ring = sparse.csr_matrix(3 * one - 2 * np.roll(one, 1, axis=1) - np.roll(one, -1, axis=1))
+    with pytest.raises(rsym.RsymError) as raised:
+        linear.solve_system(ring, np.arange(60.0), definite=False, dimension=3, symmetric=False)
+    assert raised.value.code == "singular"
+
+
+@pytest.mark.parametrize(("make", "symmetric"), [(laplace, True), (carried, False)])
+def test_threads_do_not_change_the_bits_of_conjugate_gradients(make, symmetric, monkeypatch):
     monkeypatch.setitem(linear.DIRECT, 2, 10)
+    monkeypatch.setitem(linear.DIRECT_UNEVEN, 2, 10)
     found = []
     for threads in (1, 3):
         monkeypatch.setattr(linear, "checked_threads", lambda _, count=threads: count)
-        found.append(linear.solve_system(laplace(12), np.arange(144.0), definite=True, dimension=2).values)
+        kinds = {"definite": symmetric, "symmetric": symmetric}
+        made = linear.solve_system(make(12), np.arange(144.0), dimension=2, **kinds)
+        assert made.steps > 0
+        found.append(made.values)
     assert (found[0] == found[1]).all()
 
 
