@@ -152,7 +152,9 @@ class _Reader:
         w = FormPlace(self.shape.coordinates, self.meanings, place != INSIDE)
         try:
             found = function(u, v, w) if bilinear else function(v, w)
-        except (TypeError, AttributeError) as error:
+        except RsymError:
+            raise
+        except (TypeError, AttributeError, ValueError, IndexError) as error:
             raise RsymError(
                 f"the form {called} cannot be read as a formula: {error}",
                 code="form",

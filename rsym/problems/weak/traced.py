@@ -209,7 +209,14 @@ def coefficients(values: Any) -> Any:
 
 def objects(values: list[Any]) -> NDArray[Any]:
     """An array of things that NumPy knows nothing of, of arrays alike one of one more dimension."""
-    found = np.empty((len(values), *np.shape(values[0])), object)
+    shapes = {np.shape(one) for one in values}
+    if len(shapes) != 1:
+        raise RsymError(
+            f"a vector or matrix of a form has entries of {len(shapes)} shapes",
+            code="form",
+            remedy='rows are of one length, letters={"K": ((2, 0), (0, 1))}',
+        )
+    found = np.empty((len(values), *shapes.pop()), object)
     for place, one in enumerate(values):
         found[place] = one
     return found
