@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import rsym
-from rsym import x, y
+from rsym import x, y, z
 from rsym.problems.weak.reading import weak_form
 from rsym.problems.weak.traced import form_functions
 
@@ -384,3 +384,17 @@ def test_a_system_whose_answer_would_be_rounding_is_refused():
 
     with pytest.raises(rsym.RsymError, match="singular"):
         rsym.solve_form(RIM, turned, one, cells=6)
+
+
+@pytest.mark.slow
+def test_what_is_carried_along_in_space_is_solved_by_steps():
+    u = (1 - x**2 - y**2 - z**2) * sp.exp(x)
+    load = -sum(u.diff(one, 2) for one in (x, y, z)) + 10 * u.diff(x) + 5 * y * u.diff(z)
+
+    def a(u, v, w):
+        return u.grad @ v.grad + (10 * u.x + 5 * w.x[1] * u.z) * v
+
+    found = rsym.solve_form(rsym.sphere(1), a, lambda v, w: load * v, 0, cells=18, degree=2)
+    assert found.report.unknowns > 3000
+    assert found.report.steps > 0
+    assert abs(found(0.1, 0.2, 0.3) - 0.86 * math.exp(0.1)) < 5e-5
