@@ -26,7 +26,7 @@ from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
 from rsym.problems.systems.cell_code import apply_forms, tested_loads
 from rsym.problems.systems.forms import Assembler, CellPoints, extended
-from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, WeakForm, form_name, load_name
+from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
 
 BENDING = "d"  # the coefficient of a bilaplacian
@@ -71,17 +71,6 @@ class EdgePart:
         for test, values in self.load.items():
             found[:, test, 0] = values[some]
         return found
-
-
-@dataclass(frozen=True)
-class At:
-    """The function that has given values at given points."""
-
-    values: Floats
-
-    def __call__(self, *coordinates: Floats) -> Floats:
-        """These values."""
-        return self.values
 
 
 @dataclass(frozen=True)
@@ -238,7 +227,7 @@ class Discretisation:
 
     def _edge_part(self, where: CellPoints, weights: Floats, terms: FormTerms, normals: Floats) -> EdgePart:
         """The terms at points of a leaf."""
-        beside = {name: At(column) for name, column in zip(NORMALS, np.transpose(normals), strict=False)}
+        beside = {name: GivenValues(column) for name, column in zip(NORMALS, np.transpose(normals), strict=False)}
         functions: dict[str, Callable[..., Any]] = {**self.problem.equation.functions, **beside}
         values = formulas(self.problem.shape, terms.expressions, functions)(where.points)
         named = dict(zip(terms.expressions, weights * values, strict=True))

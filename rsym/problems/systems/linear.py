@@ -97,7 +97,8 @@ def _by_factors(matrix: sparse.csr_matrix, right: Floats) -> Floats:
     # Of rounding alone, it is as large a share as the condition of the matrix makes it.
     if not _norm(correction) <= UNSURE * _norm(found):
         raise nearly_singular()
-    return found + correction
+    corrected: Floats = found + correction
+    return corrected
 
 
 def nearly_singular() -> RsymError:

@@ -69,7 +69,11 @@ class Traced:
     def coefficient(self) -> sp.Expr:
         """What it is where neither u nor v is in it."""
         if any(term != (NONE, NONE) for term in self.terms):
-            raise RsymError(f"{self} stands where a coefficient must", code="form", remedy=LINEAR)
+            raise RsymError(
+                f"{self} stands where a coefficient must, such as in a function or a matrix of SymPy",
+                code="form",
+                remedy=LINEAR,
+            )
         return self.terms.get((NONE, NONE), sp.S.Zero)
 
     def __repr__(self) -> str:
@@ -260,7 +264,7 @@ class FormFunction(Traced):
         return total
 
     def __getattr__(self, name: str) -> Any:
-        if name in self.names:
+        if not name.startswith("_") and name in self.names:
             return self.grad[self.names.index(name)]
         return super().__getattr__(name)
 
