@@ -27,7 +27,7 @@ from rsym.problems.splines.web import WebSplines, web_splines
 from rsym.problems.systems.borders import SystemBorder
 from rsym.problems.systems.cell_code import apply_forms
 from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, extended
-from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, WeakForm, form_name, load_name
+from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
 
 BENDING = "d"  # the coefficient of a bilaplacian
@@ -59,30 +59,19 @@ class EdgePart:
         """Whether the form of a constant u is something."""
         return any(values.any() for (_, trial), values in self.form.items() if trial == 0)
 
-    def form_at(self, some: slice, points: Floats) -> Floats:
+    def form_at(self, some: Some, points: Floats) -> Floats:
         """The form (n, kinds, kinds) at some of the points."""
         found = np.zeros((len(points), self.kinds, self.kinds))
         for (test, trial), values in self.form.items():
             found[:, test, trial] = values[some]
         return found
 
-    def load_at(self, some: slice, points: Floats) -> Floats:
+    def load_at(self, some: Some, points: Floats) -> Floats:
         """The load (n, kinds, 1) there."""
         found = np.zeros((len(points), self.kinds, 1))
         for test, values in self.load.items():
             found[:, test, 0] = values[some]
         return found
-
-
-@dataclass(frozen=True)
-class At:
-    """The function that has given values at given points."""
-
-    values: Floats
-
-    def __call__(self, *coordinates: Floats) -> Floats:
-        """These values."""
-        return self.values
 
 
 @dataclass(frozen=True)
@@ -235,7 +224,7 @@ class Discretisation:
 
     def _edge_part(self, where: CellPoints, weights: Floats, terms: FormTerms, normals: Floats) -> EdgePart:
         """The terms at points of a leaf."""
-        beside = {name: At(column) for name, column in zip(NORMALS, np.transpose(normals), strict=False)}
+        beside = {name: GivenValues(column) for name, column in zip(NORMALS, np.transpose(normals), strict=False)}
         functions: dict[str, Callable[..., Any]] = {**self.problem.equation.functions, **beside}
         values = formulas(self.problem.shape, terms.expressions, functions)(where.points)
         named = dict(zip(terms.expressions, weights * values, strict=True))

@@ -8,7 +8,7 @@ import pytest
 import sympy as sp
 
 import rsym
-from rsym import x, y
+from rsym import x, y, z
 from rsym.problems.weak.reading import weak_form
 from rsym.problems.weak.traced import form_functions
 
@@ -298,6 +298,10 @@ def a_of(text):
         "compared": lambda u, v, w: np.where(w.x[0] > 0, 1, 2) * laplace(u, v, w),
         "equal": lambda u, v, w: (2 if w.x[0] == 0 else 1) * laplace(u, v, w),
         "no formula": lambda u, v, w: math.gamma(w.x[0]) * laplace(u, v, w),
+        "ragged": lambda u, v, w: (w.r @ u.grad) @ v.grad,
+        "empty": lambda u, v, w: (w.e @ u.grad) @ v.grad,
+        "of space": lambda u, v, w: (w.s @ u.grad) @ v.grad,
+        "third": lambda u, v, w: u.grad[2] * v,
         "mixed": lambda u, v, w: np.sqrt(1 + sp.tanh(w.x[0])) * laplace(u, v, w),
         "ufunc": lambda u, v, w: np.i0(w.x[0]) * laplace(u, v, w),
         "shape": lambda u, v, w: RIM * laplace(u, v, w),
@@ -334,6 +338,10 @@ def a_of(text):
         ("compared", "form", "compares x"),
         ("equal", "form", "compares x"),
         ("no formula", "form", "makes one number"),
+        ("ragged", "form", "entries of 2 shapes"),
+        ("empty", "form", "entries of 0 shapes"),
+        ("of space", "form", "cannot be read"),
+        ("third", "form", "cannot be read"),
         ("mixed", "form", "cannot be read"),
         ("ufunc", "form", "compares|cannot be read"),
         ("shape", "form", "a coefficient"),
@@ -351,7 +359,7 @@ def a_of(text):
 )
 def test_what_is_no_form_is_refused_with_a_remedy(wrong, code, words):
     conditions = {} if wrong == "level" else 0
-    letters = {"h": 1} if wrong == "twice" else {}
+    letters = {"h": 1} if wrong == "twice" else {"r": ((1, 2), 3), "e": (), "s": np.eye(3)}
     degree = 1 if wrong == "too high" else 3
     with pytest.raises(rsym.RsymError, match=words) as raised:
         rsym.solve_form(RIM, a_of(wrong), one, conditions, cells=6, degree=degree, letters=letters)
@@ -376,3 +384,17 @@ def test_a_system_whose_answer_would_be_rounding_is_refused():
 
     with pytest.raises(rsym.RsymError, match="singular"):
         rsym.solve_form(RIM, turned, one, cells=6)
+
+
+@pytest.mark.slow
+def test_what_is_carried_along_in_space_is_solved_by_steps():
+    u = (1 - x**2 - y**2 - z**2) * sp.exp(x)
+    load = -sum(u.diff(one, 2) for one in (x, y, z)) + 10 * u.diff(x) + 5 * y * u.diff(z)
+
+    def a(u, v, w):
+        return u.grad @ v.grad + (10 * u.x + 5 * w.x[1] * u.z) * v
+
+    found = rsym.solve_form(rsym.sphere(1), a, lambda v, w: load * v, 0, cells=18, degree=2)
+    assert found.report.unknowns > 3000
+    assert found.report.steps > 0
+    assert abs(found(0.1, 0.2, 0.3) - 0.86 * math.exp(0.1)) < 5e-5

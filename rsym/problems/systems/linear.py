@@ -123,7 +123,8 @@ def _by_factors(
         first = slice(len(right) - last)
         solve_system(matrix[first, first], right[first], definite=True, dimension=dimension)
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
-    return found + correction if unsure <= UNSURE else None
+    corrected: Floats = found + correction
+    return corrected if unsure <= UNSURE else None
 
 
 def _without(

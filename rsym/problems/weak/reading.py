@@ -30,7 +30,7 @@ from rsym.problems.weak.traced import (
     form_functions,
     objects,
 )
-from rsym.problems.weak.weak_form import BOUNDARY, INSIDE, NORMALS, SIZE, Everywhere, FormTerms, WeakForm
+from rsym.problems.weak.weak_form import BOUNDARY, INSIDE, NORMALS, SIZE, FormTerms, GivenValues, WeakForm
 
 CALLS = "a(u, v, w) gives what is integrated on the left side, l(v, w) what is on the right one"
 UNREAD = f"{CALLS}; functions of what SymPy's functions gave are SymPy's too; {AS_LETTER}"
@@ -128,7 +128,7 @@ def weak_form(shape: Shape, a: Any, l: Any, named: Mapping[str, Any], axis: int 
             terms = read.terms(called, function, place, bilinear=bilinear)
             total[place] = total.get(place, FormTerms()).plus(terms)
     edges = {place: terms for place, terms in total.items() if place != INSIDE}
-    functions = {**functions, SIZE: Everywhere(1.0)}
+    functions = {**functions, SIZE: GivenValues(1.0)}
     made = WeakForm(shape.coordinates, total.get(INSIDE, FormTerms()), edges, functions)
     return made if made.sized else replace(made, functions={k: f for k, f in functions.items() if k != SIZE})
 
@@ -152,7 +152,9 @@ class _Reader:
         w = FormPlace(self.shape.coordinates, self.meanings, place != INSIDE)
         try:
             found = function(u, v, w) if bilinear else function(v, w)
-        except (TypeError, AttributeError) as error:
+        except RsymError:
+            raise
+        except (TypeError, AttributeError, ValueError, IndexError) as error:
             raise RsymError(
                 f"the form {called} cannot be read as a formula: {error}",
                 code="form",

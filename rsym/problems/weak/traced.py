@@ -69,7 +69,11 @@ class Traced:
     def coefficient(self) -> sp.Expr:
         """What it is where neither u nor v is in it."""
         if any(term != (NONE, NONE) for term in self.terms):
-            raise RsymError(f"{self} stands where a coefficient must", code="form", remedy=LINEAR)
+            raise RsymError(
+                f"{self} stands where a coefficient must, such as in a function or a matrix of SymPy",
+                code="form",
+                remedy=LINEAR,
+            )
         return self.terms.get((NONE, NONE), sp.S.Zero)
 
     def __repr__(self) -> str:
@@ -209,7 +213,14 @@ def coefficients(values: Any) -> Any:
 
 def objects(values: list[Any]) -> NDArray[Any]:
     """An array of things that NumPy knows nothing of, of arrays alike one of one more dimension."""
-    found = np.empty((len(values), *np.shape(values[0])), object)
+    shapes = {np.shape(one) for one in values}
+    if len(shapes) != 1:
+        raise RsymError(
+            f"a vector or matrix of a form has entries of {len(shapes)} shapes",
+            code="form",
+            remedy='rows are of one length, letters={"K": ((2, 0), (0, 1))}',
+        )
+    found = np.empty((len(values), *shapes.pop()), object)
     for place, one in enumerate(values):
         found[place] = one
     return found
@@ -253,7 +264,7 @@ class FormFunction(Traced):
         return total
 
     def __getattr__(self, name: str) -> Any:
-        if name in self.names:
+        if not name.startswith("_") and name in self.names:
             return self.grad[self.names.index(name)]
         return super().__getattr__(name)
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import sympy as sp
 
+from rsym.arrays import Floats
 from rsym.model.symbols import real_symbol, symbols_of
 from rsym.problems.conditions import Name
 from rsym.problems.terms import Row
@@ -174,16 +175,16 @@ class WeakForm:
 
 
 @dataclass(frozen=True)
-class Everywhere:
-    """A function that is one number at all points."""
+class GivenValues:
+    """The function of coordinates that has one value everywhere, or given ones at the points it is asked for."""
 
-    value: float
+    values: float | Floats
 
-    def __call__(self, *coordinates: Any) -> float:
-        """That number."""
-        return self.value
+    def __call__(self, *coordinates: Any) -> float | Floats:
+        """These values."""
+        return self.values
 
 
 def sized(form: WeakForm, size: float) -> WeakForm:
     """The form on cells of a size."""
-    return replace(form, functions={**form.functions, SIZE: Everywhere(size)})
+    return replace(form, functions={**form.functions, SIZE: GivenValues(size)})
