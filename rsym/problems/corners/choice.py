@@ -12,7 +12,7 @@ from rsym.model.shape import Shape
 from rsym.problems.corners.corner_functions import CornerFunctions, corner_functions, terms_at
 from rsym.problems.corners.corners import PlaneCorner, surveyed_corners
 
-MOST = 400  # functions, each of which meets all others
+MOST = 4000  # functions; each meets what is near its corner alone
 COUNTS = (7, 3), (4, 2), (3, 1), (1, 1)  # of rates and levels at each corner, fewer where there are many corners
 ON_AXIS = 1e-6  # of the size of a shape
 SMOOTH = 5.0  # from this exponent on splines do as well

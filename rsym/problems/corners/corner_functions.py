@@ -148,11 +148,12 @@ class CornerFunctions:
 
     def near(self, points: Floats) -> Iterator[tuple[int, LocalFunctions, Ints]]:
         """Of each corner within whose reach some points (n, 2) lie the number of its first function, and which do."""
-        first = 0
+        first, order = 0, np.argsort(points[:, 0], kind="stable")
+        across = points[order, 0]
         for part in self.parts:
             (u, v), reach = part.corner.point, part.corner.reach
-            beside = np.flatnonzero(np.abs(points[:, 0] - u) < reach)
-            near = beside[np.hypot(points[beside, 0] - u, points[beside, 1] - v) < reach]
+            beside = order[slice(*np.searchsorted(across, [u - reach, u + reach]))]
+            near = np.sort(beside[np.hypot(points[beside, 0] - u, points[beside, 1] - v) < reach])
             if len(near):
                 yield first, part, near
             first += len(part.terms)

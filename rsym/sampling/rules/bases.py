@@ -138,15 +138,14 @@ class _Bases:
 
     def _touching(self, lines: Lines, width: Floats, which: Ints) -> float:
         """The square of a bound of the lengths of both leaves over segments in which crossings are taken for one."""
-        tolerance, lost = self.columns.functions.tolerance, 0.0
+        tolerance = self.columns.functions.tolerance
         crossing = (lines.below > 0) != (lines.above > 0)
-        for segment in np.flatnonzero(width <= NARROW * np.sqrt(tolerance)):
-            for line in range(*np.searchsorted(which, [segment, segment + 1])):
-                own = slice(lines.begin[line], lines.begin[line + 1])
-                if (np.diff(np.sort(lines.root[own][crossing[own]])) <= tolerance).any():
-                    lost += BOTH * float(width[segment])
-                    break
-        return lost**2
+        line = np.repeat(np.arange(len(which)), np.diff(lines.begin))
+        some = np.flatnonzero(crossing & (width <= NARROW * np.sqrt(tolerance))[which[line]])
+        some = some[np.lexsort((lines.root[some], line[some]))]
+        one, other = some[:-1], some[1:]
+        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= tolerance)
+        return float(BOTH * width[np.unique(which[line[one[touching]]])].sum()) ** 2
 
     def _walls(self, segments: Segments, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:
         """Lines on which a wall stands, and a leaf that is it; at an end of the piece it is positive within."""

@@ -5,6 +5,7 @@ On each line the form's sign is that of its gates, from the signs of leaves belo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
@@ -54,12 +55,22 @@ class CellRule:
     edge_owner: Ints
 
 
-def rules_together(rules: list[CellRule]) -> CellRule:
-    """Rules as one, by cell."""
+def rules_joined(rules: Sequence[CellRule]) -> CellRule:
+    """Rules as one, one after the other."""
+    if len(rules) == 1:
+        return rules[0]
     names = CellRule.__dataclass_fields__
-    parts = [np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in names]
-    inner, edge = np.argsort(parts[2], kind="stable"), np.argsort(parts[6], kind="stable")
-    return CellRule(*(part[..., inner] for part in parts[:3]), *(part[..., edge] for part in parts[3:]))
+    return CellRule(*(np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in names))
+
+
+def rules_together(rules: Sequence[CellRule]) -> CellRule:
+    """Rules as one, by cell."""
+    joined = rules_joined(rules)
+    inner, edge = np.argsort(joined.owner, kind="stable"), np.argsort(joined.edge_owner, kind="stable")
+    return CellRule(
+        *(part[..., inner] for part in (joined.points, joined.weights, joined.owner)),
+        *(part[..., edge] for part in (joined.edge_points, joined.edge_weights, joined.edge_leaf, joined.edge_owner)),
+    )
 
 
 def tensor_rules(lower: Floats, upper: Floats, owner: Ints, orders: Ints) -> list[CellRule]:

@@ -152,6 +152,7 @@ def gate_array(gates: tuple[Gate, ...]) -> Ints:
     return np.array([(operation == "max", *operands) for operation, *operands in gates], np.int64).reshape(-1, 3)
 
 
+@recently(16)
 def _kernels(form: SignForm) -> Any:
     return region_kernels(form) if backend_for(form) == "tape" else mesher_kernels(form)
 

@@ -19,7 +19,7 @@ from rsym.model.requirements import optional_package, require_count, require_sha
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.rules.bases import plane_rule
-from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule, tensor_rules
+from rsym.sampling.rules.columns import CellRule, rules_joined, rules_together, tensor_rule, tensor_rules
 from rsym.sampling.rules.division import (
     INSIDE,
     OPEN,
@@ -248,7 +248,7 @@ class Prepared:
         grid = self.grid(cells)
         made = list(self.portions(grid, order, near, threads))
         made = made or [_portion(self.functions, grid, np.arange(0), order, _grading(None, self.functions.dimension))]
-        rule = rules_together([portion.rule for portion in made])
+        rule = rules_joined([portion.rule for portion in made])  # by cell, as portions are
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
         leaves = self.owner[rule.edge_leaf]
