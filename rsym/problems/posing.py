@@ -53,7 +53,7 @@ def posed(problem: Problem) -> Problem:
 def posed_again(problem: Problem, values: Mapping[Any, float]) -> Problem:
     """The same problem for other letters: which leaves make up holes is found again."""
     other = posed(replace(problem, shape=relettered(problem.shape, values)))
-    return other if problem.corners is None else with_corners(other)
+    return other if problem.corners is None else with_corners(other, problem.corners.degree)
 
 
 def _leaf_values(problem: Problem, points: Floats) -> Floats:

@@ -212,8 +212,8 @@ class Problem:
         return np.abs(points[:, 1 - self.axis])
 
 
-def with_corners(problem: Problem) -> Problem:
-    """The same problem with functions for the corners of its shape, where there are some."""
+def with_corners(problem: Problem, degree: int) -> Problem:
+    """The same problem with functions for the corners of its shape, for splines of a degree; without where none are."""
     diffusion = problem.equation.diffusion
     alike = diffusion[0][0] == diffusion[-1][-1] and not any(
         value for i, row in enumerate(diffusion) for j, value in enumerate(row) if i != j
@@ -229,7 +229,7 @@ def with_corners(problem: Problem) -> Problem:
 
     valued = problem.leaves(*VALUED)
     natural = [leaf for leaf in range(len(problem.form.leaves)) if leaf not in valued]
-    return replace(problem, corners=chosen_corners(problem.shape, natural, loaded, axis=problem.axis))
+    return replace(problem, corners=chosen_corners(problem.shape, natural, loaded, axis=problem.axis, degree=degree))
 
 
 def oriented(problem: Problem, points: Floats) -> Problem:

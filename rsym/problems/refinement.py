@@ -15,8 +15,20 @@ TOLERANCE = 1e-8
 FIRST_CELLS = 8
 STEPS = 6
 HIGHEST_DEGREE = 6
+MORE = 2  # degrees
 # Twice the cells make four or eight times the unknowns: more than so many are not begun.
 MOST_UNKNOWNS = {2: 60_000, 3: 20_000}
+
+
+def last_degree(degree: int, cells: int | None) -> int:
+    """The degree of a last grid, where the first or, of a number of cells, the only one is of a degree.
+
+    Examples
+    --------
+    >>> last_degree(3, 8), last_degree(3, None), last_degree(6, None)
+    (3, 5, 6)
+    """
+    return degree if cells is not None else max(degree, min(degree + MORE, HIGHEST_DEGREE))
 
 
 class Grade(NamedTuple):
@@ -48,7 +60,7 @@ def refined(
     best: T | None = None
     for step in range(STEPS):
         report(progress, step, STEPS)
-        cells, p = FIRST_CELLS * 2**step, max(degree, min(degree + min(step, 2), HIGHEST_DEGREE))
+        cells, p = FIRST_CELLS * 2**step, max(degree, min(degree + min(step, MORE), HIGHEST_DEGREE))
         try:
             best, unknowns, estimate = attempt(cells, p)
         except RsymError as error:

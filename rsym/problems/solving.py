@@ -22,7 +22,7 @@ from rsym.problems.places import relettered
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, with_corners
-from rsym.problems.refinement import FIRST_CELLS, HIGHEST_DEGREE, TOLERANCE, refined
+from rsym.problems.refinement import FIRST_CELLS, HIGHEST_DEGREE, TOLERANCE, last_degree, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
 from rsym.sampling.progress import Progress
 from rsym.sampling.rules.refinement import FINER
@@ -104,15 +104,20 @@ def solve(
     np.True_
     """
     problem = problem_of(shape, equation, conditions, letters=letters, axis=axis, poisson=poisson)
-    problem = with_corners(problem) if corners else problem
-    return answered(problem, degree, cells, tolerance, progress)
+    return answered(problem, degree, cells, tolerance, corners, progress)
 
 
 def answered(
-    problem: Problem, degree: int, cells: int | None, tolerance: float | None, progress: Progress | None
+    problem: Problem,
+    degree: int,
+    cells: int | None,
+    tolerance: float | None,
+    corners: bool,
+    progress: Progress | None,
 ) -> Solution:
     """The solution of a problem on a grid, or refined until its estimate of the error is small enough."""
     checked_degree(degree)
+    problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
     if cells is not None:
         whole(cells, "the cells", 1)
         rule = rule_for(problem, cells, degree + MORE_POINTS)

@@ -19,7 +19,7 @@ from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
-from rsym.problems.refinement import Grade, refined
+from rsym.problems.refinement import Grade, last_degree, refined
 from rsym.problems.solution import MORE_POINTS, Solution, reported, rule_for, with_rule
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
@@ -126,7 +126,7 @@ def modes(
         # A model file states one equation for solve and for this.
         problem = replace(problem, equation=replace(problem.equation, load=sp.S.Zero))
     _require_homogeneous(problem)
-    problem = with_corners(problem) if corners else problem
+    problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
     if cells is not None:
         return _spectrum(problem, cells, degree, count, mass)
 

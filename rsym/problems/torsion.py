@@ -17,7 +17,7 @@ from rsym.problems.equations import equation_of
 from rsym.problems.loops import loops_of
 from rsym.problems.places import relettered
 from rsym.problems.problem import Problem, with_corners
-from rsym.problems.refinement import Grade, refined
+from rsym.problems.refinement import Grade, last_degree, refined
 from rsym.problems.solution import MORE_POINTS, Attained, Solution, rule_for, solved
 from rsym.problems.solving import checked_degree
 from rsym.sampling.progress import Progress
@@ -78,7 +78,7 @@ class Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         report, problem = self.solution.report, self.solution.problem
         other = _problem(relettered(problem.shape, values))
-        other = other if problem.corners is None else with_corners(other)
+        other = other if problem.corners is None else with_corners(other, problem.corners.degree)
         return _torsion(other, report.cells, report.degree)
 
 
@@ -124,7 +124,7 @@ def torsion(
     if shape.dimension != 2:
         raise RsymError("torsion is of a section in the plane", code="dimension", remedy="give a shape of x and y")
     problem = _problem(shape if letters is None else relettered(shape, letters))
-    problem = with_corners(problem) if corners else problem
+    problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
     if cells is not None:
         return _torsion(problem, cells, degree)
 

@@ -12,7 +12,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name
 from rsym.problems.plates import require_edges
 from rsym.problems.posing import posed
-from rsym.problems.problem import Problem, with_corners
+from rsym.problems.problem import Problem
 from rsym.problems.solution import Solution
 from rsym.problems.solving import answered, lettered, turned_about
 from rsym.problems.weak.reading import weak_form
@@ -100,4 +100,4 @@ def solve_form(
             )
     problem = posed(Problem(shape, form, values, (), turned))
     require_edges(problem, single=False)
-    return answered(with_corners(problem) if corners else problem, degree, cells, tolerance, progress)
+    return answered(problem, degree, cells, tolerance, corners, progress)

@@ -167,6 +167,7 @@ def corner_functions(
     terms: int = 7,
     levels: int = 3,
     highest: float = 9.0,
+    steepest: float = math.inf,
     load: bool | Sequence[bool] = True,
     power: int = 7,
     letters: Mapping[Any, float] | None = None,
@@ -185,6 +186,8 @@ def corner_functions(
         re-entrant corners with values on an edge, where weights have a root in them.
     highest : float
         The largest exponent lambda + 2*j.
+    steepest : float
+        The largest rate lambda.
     load : bool, or one for each corner
         Whether there are those with logarithms, which solutions of -laplacian(u) = 1 need where cos alpha = 0.
     power : int
@@ -205,7 +208,7 @@ def corner_functions(
                 where=f"({corner.point[0]:.10g}, {corner.point[1]:.10g})",
                 remedy="move one of them, or leave the cusp out",
             )
-        chosen = terms_at(corner, natural, terms=terms, levels=levels, highest=highest, load=loaded)
+        chosen = terms_at(corner, natural, terms=terms, levels=levels, highest=highest, steepest=steepest, load=loaded)
         free = tuple(leaf in natural for leaf in corner.leaves)
         if chosen:
             jets = leaf_jets(shape, corner.leaves, letters, corner.lines)
@@ -220,6 +223,7 @@ def terms_at(
     terms: int = 7,
     levels: int = 3,
     highest: float = 9.0,
+    steepest: float = math.inf,
     load: bool = True,
 ) -> tuple[Term, ...]:
     """What the functions at a corner are, the least smooth first; arguments as in `corner_functions`.
@@ -235,6 +239,7 @@ def terms_at(
     free = tuple(leaf in natural for leaf in corner.leaves)
     kind, shift = "cos" if all(free) else "sin", 0.5 if free[0] != free[1] else 0.0
     rates = [(k - shift) * math.pi / corner.angle for k in range(1, terms + 1)]
+    rates = [rate for rate in rates if rate <= steepest]
     # Smooth functions that are 0 on edges are a weight times smooth ones, unless the weight has a root in it.
     rooted = corner.is_reentrant and not all(free)
     found = [Term(kind, rate, rate + 2 * j) for rate in rates if rooted or not _is_whole(rate) for j in range(levels)]
