@@ -17,7 +17,7 @@ from rsym.problems.conditions import Name, assigned
 from rsym.problems.problem import vanished
 from rsym.problems.splines.web import WebSplines
 from rsym.sampling.extent import extent
-from rsym.sampling.plane import bounds_of_view
+from rsym.sampling.plane import surrounded
 from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.quadrature import Quadrature, prepared
 
@@ -56,7 +56,7 @@ def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:
     if changed.bounds is None or changed.letters == shape.letters:
         return changed
     with suppress(RsymError):
-        return changed.replace(bounds=bounds_of_view(changed.replace(bounds=None), None, None))
+        return changed.replace(bounds=surrounded(extent(changed)))
     return changed
 
 

@@ -265,19 +265,30 @@ def _lattice_of_view(
     """The bounds of the free coordinates, and a lattice over them."""
     box = bounds
     if bounds is None or len(bounds) == len(shape.coordinates):
-        whole = bounds_of_view(shape, bounds, letters)
+        whole = _bounds_of_view(shape, bounds, letters)
         box = tuple(whole[k] for k in free)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
     return flat.bounds, lattice_over(flat.bounds, resolution, math.inf)
 
 
-def bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
+def _bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
     """The bounds given, else the shape's own, else its extent and some surroundings."""
     chosen = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     if chosen is not None:
         return chosen
-    wider = ((low, high, SURROUNDINGS * (high - low)) for low, high in extent(shape, letters))
+    return surrounded(extent(shape, letters))
+
+
+def surrounded(bounds: Bounds) -> Bounds:
+    """Bounds with some surroundings.
+
+    Examples
+    --------
+    >>> surrounded(((0.0, 8.0), (0.0, 4.0)))
+    ((-1.0, 9.0), (-0.5, 4.5))
+    """
+    wider = ((low, high, SURROUNDINGS * (high - low)) for low, high in bounds)
     return tuple((low - margin, high + margin) for low, high, margin in wider)
 
 

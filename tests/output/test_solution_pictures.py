@@ -3,6 +3,7 @@
 import matplotlib.figure
 import numpy as np
 import pytest
+import sympy as sp
 from matplotlib.collections import LineCollection
 
 import rsym
@@ -17,6 +18,11 @@ def ax():
 
 
 RING = rsym.disc(1).named("rim") - rsym.disc(0.5).named("bore")
+r = sp.Symbol("r", real=True)
+# (r^2 - x^2 - y^2)/4 on a disc of the radius r.
+ROUND = rsym.solve(
+    rsym.disc(r, letters={r: rsym.Letter(1, minimum=0.5, maximum=3)}).named("rim"), "-laplacian(u) = 1", 0, cells=6
+)
 HALF = rsym.disc(1).named("rim") & rsym.Shape(y, (x, y)).named("edge")
 
 
@@ -107,3 +113,72 @@ def test_a_solution_shows_itself_in_a_notebook():
     assert len(text) < 60_000
     level = rsym.solve(rsym.disc(1), "-laplacian(u) = 0", 1, cells=6)
     assert "<svg" in level._repr_html_()
+
+
+def contours(axes):
+    return next(one for one in axes.collections if type(one).__name__ == "QuadContourSet")
+
+
+def test_the_sheet_of_a_solution_has_its_own_fields():
+    figure = rsym.plot_fields(ROUND, figure=matplotlib.figure.Figure(), resolution=40)
+    value, slope = figure.axes[:2]
+    assert [value.get_title(), slope.get_title()] == ["$u$", r"$|\nabla u|^2$"]
+    # |grad u|^2 = r^2/4: from 0 to 1/4 inside, which alone chooses the levels.
+    assert contours(slope).levels[-1] == pytest.approx(0.25, abs=0.03)
+    assert contours(value).levels[-1] == pytest.approx(0.25, abs=0.03)
+    every = rsym.plot_fields(ROUND, ["laplacian"], figure=matplotlib.figure.Figure(), resolution=16)
+    assert every.axes[0].get_title() == r"$\Delta u$"
+    with pytest.raises(rsym.RsymError, match=r"no field 'normalised'.*gradient_squared"):
+        rsym.plot_fields(ROUND, ["normalised"], figure=matplotlib.figure.Figure(), resolution=16)
+
+
+def test_level_lines_of_the_fields_of_a_solution():
+    (ring,) = rsym.level_lines(ROUND, 0.09, field="gradient_squared", resolution=40)
+    np.testing.assert_allclose(np.hypot(*ring.T), 0.6, atol=1e-9)
+    half = rsym.disc(1).named("wall") & rsym.half_plane((0, 1), 0)
+    turned = rsym.solve(half, "-laplacian(u) = 6", {"wall": 0}, axis=x, cells=6)
+    found = turned.sampled(np.array([0.3, 0.2]), np.array([0.0, 0.5]), field="laplacian")["value"]
+    np.testing.assert_allclose(found, -6, atol=1e-6)
+
+
+def test_a_sweep_solves_anew_and_compiles_nothing(monkeypatch):
+    rsym.plot_sweep(ROUND, "r", [0.75], figure=matplotlib.figure.Figure(), resolution=30)
+
+    def refuse(*arguments, **options):
+        raise AssertionError("compiled again")
+
+    monkeypatch.setattr("rsym.backends.kernel.make_function", refuse)
+    radii = [0.75, 1.25, 2]
+    figure = rsym.plot_sweep(ROUND, "r", radii, figure=matplotlib.figure.Figure(), resolution=30)
+    axes = figure.axes[:3]
+    assert [one.get_title() for one in axes] == ["$r = 0.75$", "$r = 1.25$", "$r = 2$"]
+    for one, radius in zip(axes, radii, strict=True):
+        lines = [part for part in one.collections if isinstance(part, LineCollection)]
+        np.testing.assert_allclose(np.hypot(*np.concatenate(lines[0].get_segments()).T), radius, atol=1e-9)
+        assert one.get_xlim()[0] < -2  # all see what the largest needs
+        assert contours(one).levels.tolist() == contours(axes[0]).levels.tolist()
+    assert contours(axes[0]).levels[-1] == pytest.approx(1, abs=0.1)  # r^2/4 of the largest
+    with pytest.raises(rsym.RsymError, match="r"):
+        rsym.plot_sweep(ROUND, "r", [4], figure=matplotlib.figure.Figure(), resolution=16)
+
+
+def test_a_sweep_has_one_legend_of_its_parts_and_a_sweep_of_a_mode_is_refused():
+    holed = rsym.disc(1).named("rim") - rsym.disc(r, letters={r: 0.3}).named("bore")
+    u = rsym.solve(holed, "-laplacian(u) = 1", {"rim": 0, "bore": rsym.robin(1)}, cells=8)
+    figure = rsym.plot_sweep(u, r, [0.3, 0.5], figure=matplotlib.figure.Figure(layout="compressed"), resolution=24)
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["rim", "bore"]
+    assert not any(one.get_legend() for one in figure.axes)
+    drum = rsym.modes(holed, 1, cells=6)
+    with pytest.raises(rsym.RsymError, match="ask modes of other letters"):
+        rsym.plot_sweep(drum.modes[0], r, [0.3], figure=matplotlib.figure.Figure(), resolution=24)
+
+
+def test_a_gallery_shows_solutions_beside_shapes():
+    figure = rsym.plot_gallery({"u": ROUND, "shape": RING}, figure=matplotlib.figure.Figure(figsize=(4, 2)))
+    solution, shape = (contours(one) for one in figure.axes)
+    assert solution.levels[0] == 0
+    assert solution.levels[-1] == pytest.approx(0.25, abs=0.03)
+    assert shape.levels[0] < 0
+    with pytest.raises(rsym.RsymError, match="expected a Shape, got Solution"):
+        rsym.cards({"u": ROUND})

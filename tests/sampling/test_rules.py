@@ -190,3 +190,14 @@ def test_refusals():
     for wrong in ({"cells": 0}, {"order": 1.5}, {"near": [1, 2, 3]}):
         with pytest.raises(rsym.RsymError):
             rsym.quadrature(disc, **wrong)
+
+
+def test_a_leaf_that_is_divided_by_nothing_is_refused_and_not_divided_for_ever():
+    r = sp.Symbol("r", real=True)
+    hole = rsym.disc(r, letters={r: 0.25}).translate(0.5, 0).named("hole")
+    plate = (rsym.disc(1) - hole).replace(bounds=((-1.1, 1.1), (-1.1, 1.1)))
+    with pytest.raises(rsym.RsymError, match="hole is infinite or undefined"):
+        rsym.quadrature(plate, cells=4, order=2, letters={"r": 0})
+    # A point that is left out of a disc is none.
+    point = plane((x - 0.3) ** 2 + (y - 0.01) ** 2)
+    assert rsym.quadrature(rsym.disc(1) & point, cells=8).weights.sum() == pytest.approx(math.pi, abs=1e-12)

@@ -54,7 +54,8 @@ class LeafBoxes:
     def at(self, places: Floats) -> Floats:
         """Value and gradient at points (2, n), (leaves, 3, n)."""
         bounds = self.over(points(places))
-        return bounds[:, :, 0] / 2 + bounds[:, :, 1] / 2
+        with np.errstate(invalid="ignore"):  # of a leaf that is undefined everywhere
+            return bounds[:, :, 0] / 2 + bounds[:, :, 1] / 2
 
     def matter(self, bounds: Floats) -> Flags:
         """Whether the sign of the form over a box hangs on that of a leaf, (leaves, boxes); a tie counts."""

@@ -265,6 +265,18 @@ class Prepared:
             rule.points.T, rule.weights, rule.owner, grid, full, touched, self.parts, boundary, order, unresolved
         )
 
+    def _require_finite(self, leaves: Ints, corners: tuple[Floats, Floats]) -> None:
+        """Refuse one of these leaves, of which no cell knows bounds, if it has no value in the middle of any."""
+        middles = (corners[0] + corners[1]) / 2
+        for leaf in leaves:
+            value, _ = self.functions.evaluate(np.full(middles.shape[1], leaf), middles)
+            if not np.isfinite(value).any():
+                raise RsymError(
+                    f"{self.parts[self.owner[leaf]]} is infinite or undefined everywhere within the bounds",
+                    code="undefined",
+                    remedy="change the letters: for one of them it is divided by 0",
+                )
+
     def warn_of_cuts(self, leaves: Ints) -> None:
         """Say which of the shape's own bounds cut it, where the boundary is on these leaves."""
         cut = [self.parts[leaf].removeprefix("cap ") for leaf in np.unique(leaves) if leaf in self.sides]
@@ -298,15 +310,18 @@ class Prepared:
         size = max(1, PAIRS // functions.count)
         every = np.arange(math.prod(grid.counts))
         cuts, fills = np.zeros(len(every), bool), np.zeros(len(every), bool)
+        bounded = np.zeros(functions.count, bool)
         for first in range(0, len(every), size):
             cells = every[first : first + size]
             pieces = undivided(*grid.corners(cells), cells, functions.count)
             value, gradient = functions.enclose(
                 pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece]
             )
+            bounded[pieces.leaf[np.isfinite(value).any(axis=0)]] = True
             _, verdict, _ = functions.judge(replace(pieces, gradient=gradient), value)
             cuts[cells], fills[cells] = verdict == OPEN, verdict == INSIDE
             cuts[cells] |= close(pieces, near.points) & fills[cells]
+        self._require_finite(np.flatnonzero(~bounded), grid.corners(every))
         points = order**functions.dimension
         work = np.cumsum(cuts / min(CUT_AT_ONCE, max(16, POINTS // (4 * points))) + fills * (points / POINTS))
         met = np.flatnonzero(cuts | fills)
