@@ -20,9 +20,9 @@ def written(shape: Any) -> tuple[Any, ...]:
 
     Examples
     --------
-    >>> import rsym
+    >>> import rsym, sympy
     >>> from rsym import x, y
-    >>> one = rsym.Shape(x - rsym.real_symbol("a") * y, (x, y), letters={"a": 1})
+    >>> one = rsym.Shape(x - sympy.Symbol("a", real=True) * y, (x, y), letters={"a": 1})
     >>> written(one) == written(one.with_letters({"a": 2})), written(one) == written(one - rsym.disc(1))
     (True, False)
     """
