@@ -74,6 +74,12 @@ class EllipticEquation:
         found |= {f"b{i}": value for i, value in enumerate(self.convection)}
         return found | {"c": self.reaction, "d": self.bending, "f": self.load}
 
+    @property
+    def is_constant(self) -> bool:
+        """Whether all coefficients, the load too, are the same everywhere."""
+        varying = {*self.coordinates, *map(real_symbol, self.functions)}
+        return not any(varying.intersection(value.free_symbols) for value in self.expressions.values())
+
 
 def equation_of(
     given: Any, coordinates: tuple[sp.Symbol, ...], named: Mapping[str, Any] | None = None

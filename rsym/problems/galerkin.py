@@ -83,14 +83,14 @@ class Discretisation:
         """Of the equation: rows are tests, columns u."""
         dimension = self.problem.dimension
         weights = self.rule.weights[some] * self.problem.radius(points)
-        values = dict(zip(self.problem.equation.expressions, self.problem.coefficients(points), strict=True))
+        values = self._coefficients(points)
         self._require_elliptic(values, points)
         form = np.zeros((len(points), self.kinds, self.kinds))
-        for i in range(dimension):
-            form[:, 0, 1 + i] = weights * values[f"b{i}"]
-            for j in range(dimension):
-                form[:, 1 + i, 1 + j] = weights * values[f"a{i}{j}"]
-        form[:, 0, 0] = weights * values["c"]
+        places = {"c": (0, 0)} | {f"b{i}": (0, 1 + i) for i in range(dimension)}
+        places |= {f"a{i}{j}": (1 + i, 1 + j) for i in range(dimension) for j in range(dimension)}
+        for name, (i, j) in places.items():
+            if self.problem.equation.expressions.get(name, 0) != 0:
+                form[:, i, j] = weights * values[name]
         if self.problem.order == 2:
             second = slice(1 + dimension, None)
             work = bending(dimension, self.problem.poisson)
@@ -99,12 +99,14 @@ class Discretisation:
 
     def load_form(self, some: Some, points: Floats) -> Floats:
         """Of the right side, (n, kinds, 1)."""
-        place = list(self.problem.equation.expressions).index("f")
         found = np.zeros((len(points), self.kinds, 1))
-        found[:, 0, 0] = (
-            self.rule.weights[some] * self.problem.radius(points) * self.problem.coefficients(points)[place]
-        )
+        found[:, 0, 0] = self.rule.weights[some] * self.problem.radius(points) * self._coefficients(points)["f"]
         return found
+
+    def _coefficients(self, points: Floats) -> dict[str, Floats]:
+        """The coefficients of the equation at points, by name; those that are the same everywhere at one."""
+        some = points[:1] if self.problem.equation.is_constant else points
+        return dict(zip(self.problem.equation.expressions, self.problem.coefficients(some), strict=True))
 
     def _require_elliptic(self, values: Mapping[str, Floats], points: Floats) -> None:
         dimension = self.problem.dimension
