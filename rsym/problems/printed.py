@@ -12,7 +12,7 @@ from numpy.polynomial import legendre
 from rsym.arrays import Floats
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.splines.cardinals import derivatives, product_terms
-from rsym.problems.systems.forms import CellPoints
+from rsym.problems.systems.forms import CellPoints, Some
 from rsym.program.raising import raised
 
 
@@ -44,7 +44,7 @@ def printed(discrete: Discretisation, degree: int) -> sp.Expr:
 
 
 def _load(weights: Floats, kinds: int) -> Any:
-    def load(some: slice, points: Floats) -> Floats:
+    def load(some: Some, points: Floats) -> Floats:
         found = np.zeros((len(points), kinds, 1))
         found[:, 0, 0] = weights[some]
         return found
