@@ -20,10 +20,11 @@ def written(shape: Any) -> tuple[Any, ...]:
 
     Examples
     --------
-    >>> import rsym, sympy
+    >>> import rsym, sympy as sp
     >>> from rsym import x, y
-    >>> one = rsym.Shape(x - sympy.Symbol("a", real=True) * y, (x, y), letters={"a": 1})
-    >>> written(one) == written(one.with_letters({"a": 2})), written(one) == written(one - rsym.disc(1))
+    >>> a = sp.Symbol("a", real=True)
+    >>> one = rsym.Shape(x - a * y, (x, y), letters={a: 1})
+    >>> written(one) == written(one.with_letters({"a": 2})), written(one) == written(one.named("one"))
     (True, False)
     """
     parts = tuple((name, id(part)) for name, part in shape.parts)

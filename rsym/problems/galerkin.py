@@ -19,6 +19,7 @@ from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_parts
+from rsym.model.symbols import real_symbol
 from rsym.problems.plates import bending
 from rsym.problems.pointwise import formulas
 from rsym.problems.problem import Problem, on_part, value_at
@@ -128,11 +129,13 @@ class Discretisation:
         """Of the equation: rows are tests, columns u."""
         dimension = self.problem.dimension
         weights = self.rule.weights[some] * self.problem.radius(points)
-        values = dict(zip(self.problem.equation.expressions, self.problem.coefficients(points), strict=True))
+        values = self._coefficients(points)
         self._require_elliptic(values, points)
         form = np.zeros((len(points), self.kinds, self.kinds))
+        expressions = self.problem.equation.expressions
         for (test, trial), name in self.problem.equation.places.items():
-            form[:, test, trial] = weights * values[name]
+            if expressions[name] != 0:
+                form[:, test, trial] = weights * values[name]
         if BENDING in values and self.problem.order == 2:
             second = slice(1 + dimension, None)
             work = bending(dimension, self.problem.poisson)
@@ -141,13 +144,23 @@ class Discretisation:
 
     def load_form(self, some: Some, points: Floats) -> Floats:
         """Of the right side, (n, kinds, 1)."""
-        equation = self.problem.equation
-        values = dict(zip(equation.expressions, self.problem.coefficients(points), strict=True))
-        weights = self.rule.weights[some] * self.problem.radius(points)
+        values, weights = self._coefficients(points), self.rule.weights[some] * self.problem.radius(points)
         found = np.zeros((len(points), self.kinds, 1))
-        for test, name in equation.load_places.items():
+        for test, name in self.problem.equation.load_places.items():
             found[:, test, 0] = weights * values[name]
         return found
+
+    @cached_property
+    def _constant(self) -> bool:
+        """Whether all coefficients, the load too, are the same everywhere."""
+        equation = self.problem.equation
+        varying = {*equation.coordinates, *map(real_symbol, equation.functions)}
+        return not any(varying.intersection(value.free_symbols) for value in equation.expressions.values())
+
+    def _coefficients(self, points: Floats) -> dict[str, Floats]:
+        """The coefficients of the equation at points, by name; those that are the same everywhere at one."""
+        some = points[:1] if self._constant else points
+        return dict(zip(self.problem.equation.expressions, self.problem.coefficients(some), strict=True))
 
     def _require_elliptic(self, values: Mapping[str, Floats], points: Floats) -> None:
         dimension, equation = self.problem.dimension, self.problem.equation

@@ -10,8 +10,11 @@ import sympy as sp
 import rsym
 from rsym import x, y
 from rsym.problems.corners.choice import chosen_corners
+from rsym.problems.galerkin import Discretisation
 from rsym.problems.problem import with_corners
+from rsym.problems.solution import rule_for
 from rsym.problems.solving import problem_of
+from rsym.problems.splines.evaluation import jets
 
 L_DRUM = 9.639723844021941  # of three unit squares: Trefethen and Betcke (2006)
 SQUARE = 0.14057701495515551
@@ -119,6 +122,40 @@ def test_it_pickles_with_corners():
     again = pickle.loads(pickle.dumps(found))
     assert again(0.3, 0.1) == found(0.3, 0.1)
     assert again.integral() == found.integral()
+
+
+def bordered(threads=None):
+    """The equations of an L with a hole at an unknown level: three kinds of functions."""
+    bore = rsym.disc(sp.Rational(1, 5), (sp.Rational(-1, 2), sp.Rational(-1, 2))).named("bore")
+    shape = (ell() - bore).replace(bounds=((-1.1, 1.1), (-1.1, 1.1)))
+    problem = with_corners(problem_of(shape, "-laplacian(u) + u = 1", {"bore": rsym.constant(), ...: 0}))
+    return Discretisation(problem, rule_for(problem, 16, 7), 3, threads)
+
+
+def test_rows_and_columns_of_functions_at_corners_are_their_integrals():
+    discrete = bordered()
+    points, weights = discrete.rule.points, discrete.rule.weights
+    count = discrete.extra_count
+    assert count > 20
+    functions = discrete.extras(points)  # of all points, whether near or not
+    inner = np.random.default_rng(5).standard_normal(discrete.splines.extension.shape[1])
+    whole = discrete.splines.extension @ inner
+    phi, weight = jets(discrete.splines, whole[None], points, 1)[:, 0], discrete.tests(points)
+    field = np.stack([weight[0] * phi[0], *(weight[0] * phi[k] + weight[k] * phi[0] for k in (1, 2))])
+    matrix = discrete.matrix.toarray()
+    among = np.einsum("n,kin,kjn->ij", weights, functions, functions)
+    np.testing.assert_allclose(matrix[-count:, -count:], among, atol=1e-13 * np.abs(among).max())
+    across = np.einsum("n,kn,kjn->j", weights, field, functions)
+    np.testing.assert_allclose(inner @ matrix[:-count, -count:], across, atol=1e-12 * np.abs(across).max())
+    np.testing.assert_array_equal(matrix[-count:, :-count], matrix[:-count, -count:].T)
+    np.testing.assert_allclose(discrete.right[-count:], functions[0] @ weights, atol=1e-15)
+
+
+def test_threads_do_not_change_the_bits_of_rows_and_columns():
+    one, three = (bordered(threads) for threads in (1, 3))
+    assert (one.rule.points == three.rule.points).all()
+    assert (one.matrix != three.matrix).nnz == 0
+    assert (one.right == three.right).all()
 
 
 @pytest.mark.parametrize(("turn", "share"), [(0.0, 3e-7), (0.3, 3e-6)])

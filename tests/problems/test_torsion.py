@@ -44,6 +44,7 @@ def test_letters_compile_nothing(monkeypatch):
     d = sp.Symbol("d", real=True)
     shaft = rsym.torsion(rsym.disc(1) - rsym.disc(d, letters={d: 0.5}), cells=16)
     monkeypatch.setattr("rsym.backends.kernel.make_function", None)
+    monkeypatch.setattr("rsym.problems.problem.shape_form", None)  # nor is the shape lowered again
     for value in (0.4, 0.6):
         exact = (1 - value**4) * math.pi / 2
         assert abs(float(shaft.with_letters({"d": value})) / exact - 1) < 3e-7

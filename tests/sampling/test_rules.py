@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 import sympy as sp
 from oracles.arcs import exact, random_tree, shape_of
+from scipy.integrate import quad
 from scipy.special import ellipe
 
 import rsym
 from rsym import conjunction, disjunction, x, y
 from rsym.backends import kernel as kernels
 from rsym.sampling.kernels import mesher_kernels
+from rsym.sampling.rules.division import Grading
+from rsym.sampling.rules.quadrature import prepared
 
 SEEDS = (1, 2, 5, 10, 12, 13, 14, 22, 26, 29, 30, 31, 34, 36, 37, 39, 3, 7, 17, 64)
 
@@ -90,6 +93,21 @@ def test_cells_are_graded_towards_points():
     truth = sum(d * (math.asinh(a / d) + math.asinh(b / d)) for d, a, b in sides)
     assert abs((rule.weights / np.linalg.norm(rule.points - [0.3, 0.6], axis=1)).sum() - truth) < 1e-7
     assert abs(rule.weights.sum() - 1) < 1e-14
+
+
+def test_where_integrals_fall_towards_a_point_rules_are_smaller():
+    """The integral of r**(e - 2) over a square of side 2 about 0 is 8/e times that of (1/cos t)**e up to pi/4."""
+    square = prepared(plane(conjunction(1 - x**2, 1 - y**2)), None, None)
+    for exponent, share in ((4 / 3, 0.4), (4.0, 0.2)):
+        truth = 8 / exponent * quad(lambda t, e=exponent: math.cos(t) ** -e, 0, math.pi / 4, epsabs=1e-14)[0]
+        known = Grading(np.zeros((1, 2)), np.array([exponent]))
+        found, whole = (square.rule(3, 8, near) for near in (known, np.zeros((1, 2))))
+        for rule in (found, whole):
+            radius = np.linalg.norm(rule.points, axis=1)
+            assert abs(np.sum(rule.weights * radius ** (exponent - 2)) / truth - 1) < 2e-9
+            assert abs(rule.weights.sum() - 4) < 1e-13
+        # Eight plain cells around that which is graded.
+        assert len(found.weights) - 8 * 64 < share * (len(whole.weights) - 8 * 64)
 
 
 def test_what_touches_crosses_or_ends_in_points():

@@ -23,7 +23,7 @@ from rsym.model.wording import listing
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import ElasticBody
 from rsym.problems.galerkin import Discretisation, single_load
-from rsym.problems.systems.forms import CellPoints, extended
+from rsym.problems.systems.forms import CellPoints, Some, extended
 from rsym.sampling.rules.quadrature import Quadrature
 
 AXES = range(2)
@@ -89,7 +89,7 @@ class Equilibrium:
         blocks: list[list[sparse.csr_matrix | None]] = [[None, None], [None, None]]
         for i, j in ((0, 0), (1, 1), (0, 1)):
 
-            def form(some: slice, points: Floats, i: int = i, j: int = j) -> Floats:
+            def form(some: Some, points: Floats, i: int = i, j: int = j) -> Floats:
                 first, shear = self.moduli[0][some], self.moduli[1][some]
                 found = np.zeros((len(points), 3, 3))
                 # sigma_ik(e_j w) d_k v: lambda d_j w d_i v + mu (delta_ij d_k w + delta_jk d_i w) d_k v.
@@ -114,8 +114,8 @@ class Equilibrium:
         parts = []
         for axis, one in enumerate(self.discrete):
 
-            def load(some: slice, points: Floats, axis: int = axis) -> Floats:
-                return np.concatenate([force[axis, None, some], -stress[axis][:, some]]).T[:, :, None]
+            def load(some: Some, points: Floats, axis: int = axis) -> Floats:
+                return np.concatenate([force[axis][None, some], -stress[axis][:, some]]).T[:, :, None]
 
             total = one.loads(one.inside, load)
             for where, acting in self.loaded:

@@ -88,7 +88,8 @@ class SystemBorder:
                 found.append((i + other.first + self._active, j + one.first, block.ravel()))
                 if symmetric and k < number:
                     found.append((j + one.first + self._active, i + other.first, block.ravel()))
-        return tuple(np.concatenate(parts) for parts in zip(*found, strict=True))
+        rows, columns, values = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        return rows, columns, values
 
     @property
     def _active(self) -> int:

@@ -11,9 +11,10 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
-from rsym.arrays import Flags, Floats
+from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import checked_threads
 from rsym.errors import RsymError
+from rsym.sampling.compiled import loop
 
 # Unknowns up to which a system is factored; a factor of 30 000 of degree 4 in the plane takes about a second.
 DIRECT = {2: 30_000, 3: 6_000}
@@ -29,6 +30,7 @@ MOST_STEPS = 5000
 # splines have up to 1e-10, singular ones more than 1e-3.
 UNSURE = 1e-6
 DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
+BLOCKS = 8  # of rows that threads may share
 MOST_SHIFTS = 30
 # Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
 MOST_RANKED, RANK = 1000, 1e-12
@@ -86,7 +88,7 @@ def solve_system(
     if size == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
     if definite and len(right) > DIRECT[dimension]:
-        found, steps = _by_products(_iterated, scaled, wanted)
+        found, steps = _conjugate_gradients(scaled, wanted)
     elif not symmetric and len(right) > DIRECT_UNEVEN[dimension]:
         found, steps = _by_products(_stabilised, scaled, wanted)
         if not _norm(wanted - scaled @ found) <= UNEVEN_SMALL * size:
@@ -187,6 +189,77 @@ def _by_products(
     blocks = [matrix[first:last] for first, last in pairwise(bounds.tolist())]
     with ThreadPoolExecutor(threads) as pool:
         return way(lambda x: np.concatenate(list(pool.map(lambda block: block @ x, blocks))), right)
+
+
+def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
+    """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads.
+
+    To read a matrix takes most of the time: of a symmetric one half is enough. Its rows are in blocks, as many for any
+    number of threads; what these make is added in their order.
+    """
+    lower = sparse.tril(matrix, format="csr")  # the diagonal of a definite matrix is there
+    lower.sort_indices()
+    bounds = np.linspace(0, len(right), BLOCKS + 1).astype(int)
+    blocks = [_Block.of(lower, first, last) for first, last in pairwise(bounds.tolist()) if last > first]
+
+    def product(x: Floats) -> Floats:
+        total = np.zeros_like(x)
+        for block, _ in zip(blocks, pool.map(lambda block: block.multiply(x), blocks), strict=True):
+            total[block.least : block.last] += block.out
+        return total
+
+    with ThreadPoolExecutor(checked_threads(None)) as pool:
+        return _iterated(product, right)
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Rows of the lower triangle of a symmetric matrix, and room for what they and their mirror images make.
+
+    Columns count from the least of all rows; in each row they ascend, and the last is that of the diagonal.
+    """
+
+    least: int
+    last: int
+    begins: Ints
+    columns: Ints
+    values: Floats
+    out: Floats
+
+    @classmethod
+    def of(cls, lower: sparse.csr_matrix, first: int, last: int) -> _Block:
+        """Some rows of a triangle."""
+        begins = lower.indptr[first : last + 1].astype(np.int64)
+        some = slice(begins[0], begins[-1])
+        least = int(lower.indices[some].min(initial=first))
+        columns: Ints = (lower.indices[some] - least).astype(np.int32)
+        return cls(least, last, begins - begins[0], columns, lower.data[some], np.empty(last - least))
+
+    def multiply(self, x: Floats) -> None:
+        """Put the product from the least column to the last row into its room."""
+        lower_product(self.begins, self.columns, self.values, x[self.least : self.last], self.out)
+
+
+@loop
+def lower_product(begins: Ints, columns: Ints, values: Floats, x: Floats, out: Floats) -> None:
+    """The product of the last rows of a lower triangle, and of their mirror images, with x; two sums at once."""
+    for k in range(len(out)):
+        out[k] = 0.0
+    above = len(x) - (len(begins) - 1)
+    for row in range(len(begins) - 1):
+        own, one, other = x[above + row], 0.0, 0.0
+        k, end = begins[row], begins[row + 1] - 1
+        while k + 1 < end:
+            i, j, a, b = columns[k], columns[k + 1], values[k], values[k + 1]
+            one += a * x[i]
+            other += b * x[j]
+            out[i] += a * own
+            out[j] += b * own
+            k += 2
+        if k < end:
+            one += values[k] * x[columns[k]]
+            out[columns[k]] += values[k] * own
+        out[above + row] += one + other + values[end] * own
 
 
 def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -34,11 +35,8 @@ def gauss_on(orders: Ints) -> tuple[Ints, Floats, Floats]:
     ([0, 0, 1], [0.211, 0.789, 0.5], [0.5, 0.5, 1.0])
     """
     known, number = np.unique(orders, return_inverse=True)
-    tables = [gauss(int(order)) for order in known]
-    if len(known) == 1:
-        return np.repeat(np.arange(len(orders)), known[0]), *(np.tile(table, len(orders)) for table in tables[0])
-    place = span(starts(known)[number], orders)
-    x, w = (np.concatenate(parts)[place] for parts in zip(*tables, strict=True)) if tables else np.empty((2, 0))
+    tables = np.concatenate([np.empty((2, 0)), *(gauss(int(order)) for order in known)], axis=1)
+    x, w = tables[:, span(starts(known)[number], orders)]
     return np.repeat(np.arange(len(orders)), orders), x, w
 
 
@@ -60,7 +58,8 @@ def rules_joined(rules: Sequence[CellRule]) -> CellRule:
     if len(rules) == 1:
         return rules[0]
     names = CellRule.__dataclass_fields__
-    return CellRule(*(np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in names))
+    parts: Any = [np.concatenate([getattr(rule, name) for rule in rules], axis=-1) for name in names]
+    return CellRule(*parts)
 
 
 def rules_together(rules: Sequence[CellRule]) -> CellRule:
@@ -68,8 +67,13 @@ def rules_together(rules: Sequence[CellRule]) -> CellRule:
     joined = rules_joined(rules)
     inner, edge = np.argsort(joined.owner, kind="stable"), np.argsort(joined.edge_owner, kind="stable")
     return CellRule(
-        *(part[..., inner] for part in (joined.points, joined.weights, joined.owner)),
-        *(part[..., edge] for part in (joined.edge_points, joined.edge_weights, joined.edge_leaf, joined.edge_owner)),
+        joined.points[:, inner],
+        joined.weights[inner],
+        joined.owner[inner],
+        joined.edge_points[:, edge],
+        joined.edge_weights[edge],
+        joined.edge_leaf[edge],
+        joined.edge_owner[edge],
     )
 
 

@@ -102,7 +102,8 @@ class Grading:
             nearest[closer], which[closer] = away[closer], number
         rings = np.maximum(np.log2(size / nearest) - 1, 0.0)
         fewer = np.ceil(order - SLOPE * self.exponents[which] * rings)
-        return np.maximum(fewer, min(order, FEWEST)).astype(np.int64)
+        found[:] = np.maximum(fewer, min(order, FEWEST))
+        return found
 
 
 @dataclass(frozen=True)

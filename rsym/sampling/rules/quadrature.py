@@ -135,7 +135,7 @@ class Quadrature:
     boundary : BoundaryQuadrature
         The rule on the boundary.
     order : int
-        Points along each direction.
+        Points along each direction; fewer in small parts of cells graded towards corners with functions of their own.
     unresolved : float
         The measure of what is left of cells, divided as far as it goes, in which the heights of leaves are not proved
         to be graphs, and in the plane of squares of where two leaves touch: the rule may be wrong there.
