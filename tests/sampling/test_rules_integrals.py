@@ -139,3 +139,22 @@ def test_lengths_lost_where_boundaries_touch_are_told(radius, turn):
     found = rsym.measure(rsym.disc(1) - hole)
     assert abs(found.length - 2 * math.pi * (1 + radius)) < found.length.error < 1e-5
     assert close(found.area, math.pi * (1 - radius**2), 1e-9)
+
+
+TURNED = [
+    # What lies on one line or surface: turned, so that no axis stands along it; some written in two ways.
+    ((rsym.rectangle(2, 2) & rsym.rectangle(3, 1, (0.5, 0))).rotate(0.3), 2, 6),
+    ((rsym.rectangle(2, 2) - rsym.rectangle(1, 1, (0.5, 0))).rotate(0.3), 3, 10),
+    ((rsym.rectangle(1, 2, (-0.5, 0)) | rsym.rectangle(1, 2, (0.5, 0))).rotate(0.3), 4, 8),
+    (rsym.disc(1) & rsym.Shape(1 - sp.sqrt(x**2 + y**2), (x, y)), sp.pi, 2 * sp.pi),
+    (rsym.disc(1) - rsym.Shape(3 - 3 * x**2 - 3 * y**2, (x, y)), 0, 0),
+]
+
+
+@pytest.mark.parametrize(("shape", "content", "boundary"), TURNED)
+def test_two_leaves_on_one_curve_are_one(shape, content, boundary):
+    """Without a warning: whose a length is does not hang on rounding."""
+    found = rsym.measure(shape, bounds=((-3, 3),) * 2)
+    assert abs(found.content - content) < 1e-13
+    assert abs(found.boundary - boundary) < 1e-12
+    assert sum(found.parts.values()) == pytest.approx(float(boundary), abs=1e-12)

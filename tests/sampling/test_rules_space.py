@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import rsym
 from rsym import conjunction, disjunction, x, y, z
@@ -59,3 +60,20 @@ def test_parts_of_a_turned_cylinder():
     areas = [rule.boundary.of(part).weights.sum() for part in ("rim", "foot", "top")]
     assert np.allclose(areas, [3 * math.pi, math.pi, math.pi], rtol=1e-7)
     assert abs(rule.weights.sum() / (1.5 * math.pi) - 1) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("shape", "content", "boundary", "order"),
+    [
+        ((rsym.box(2, 2, 2) - rsym.box(1, 1, 1, (0.5, 0, 0))).rotate(0.3, (1, 2, 3)), 7, 28, 3),
+        (rsym.sphere(1) & rsym.Shape(2 - 2 * sp.sqrt(x**2 + y**2 + z**2), (x, y, z)), 4 * math.pi / 3, 4 * math.pi, 8),
+        (rsym.sphere(1) - rsym.sphere(1), 0, 0, 3),
+    ],
+    ids=["flush boxes", "a ball twice", "nothing"],
+)
+def test_two_leaves_on_one_surface_are_one(shape, content, boundary, order):
+    """Cells were divided between them without end."""
+    rule = rsym.quadrature(shape, cells=2, order=order, bounds=((-2, 2),) * 3)
+    assert abs(rule.weights.sum() - content) < 1e-6
+    assert abs(rule.boundary.weights.sum() - boundary) < 1e-5
+    assert rule.unresolved < 1e-12

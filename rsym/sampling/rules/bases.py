@@ -13,14 +13,13 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.columns import CellRule, Columns, gauss_on
-from rsym.sampling.rules.curves import EndCurves, Gaps, along, gap_bounds, meetings, placed
+from rsym.sampling.rules.curves import EndCurves, Gaps, along, coincide, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
 from rsym.sampling.rules.lines import Lines
 from rsym.sampling.rules.segments import Segments
-from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST
+from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST, SAME
 
-SAME = 4.0  # tolerances; breaks and roots so close are one
 NARROW = 16.0  # roots of tolerances: where two leaves touch, closer than rounding, a segment is no wider
 BOTH = 5.0  # of the base: two leaves that climb no steeper than 2
 
@@ -103,11 +102,14 @@ class _Bases:
             one.append(same)
             other.append(same + apart)
         first, second = np.concatenate(one), np.concatenate(other)
+        own = piece[part[first]]
+        leaves = pieces.leaf[np.stack([pair[first], pair[second]])]
+        ends_of_bases = np.stack([lower, upper])[:, part[first]]
+        apart = ~coincide(functions, leaves, pieces.axis[own], self.columns.height[:, own], ends_of_bases)
+        first, second, own, leaves = first[apart], second[apart], own[apart], leaves[:, apart]
         if not len(first):
             return np.empty(0, np.int64), np.empty(0)
-        own = piece[part[first]]
         axis = pieces.axis[own]
-        leaves = pieces.leaf[np.stack([pair[first], pair[second]])]
         curves = Gaps(functions, leaves, axis, self.columns.height[0, own], self.columns.height[1, own])
         least, most = gap_bounds(pieces.gradient[:, :, pair[first]], pieces.gradient[:, :, pair[second]], axis)
         left, right = lower[part[first]], upper[part[first]]
@@ -144,7 +146,7 @@ class _Bases:
         some = np.flatnonzero(crossing & (width <= NARROW * np.sqrt(tolerance))[which[line]])
         some = some[np.lexsort((lines.root[some], line[some]))]
         one, other = some[:-1], some[1:]
-        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= tolerance)
+        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= SAME * tolerance)
         return float(BOTH * width[np.unique(which[line[one[touching]]])].sum()) ** 2
 
     def _walls(self, segments: Segments, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:

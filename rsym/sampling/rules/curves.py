@@ -10,11 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.division import BoundedFunctions
 from rsym.sampling.rules.isolation import Brackets, roots
+from rsym.sampling.rules.walks import SAME
 
 NEWTON_STEPS = 7
+# Places over which two leaves are compared, and how many agreements tell that they are one surface. Their steps are of
+# no lattice, Kronecker's sequence, so that none of them is on the curve in which leaves cross.
+PLACES, AGREED = 16, 4
+STEP = np.array([0.7548776662466927, 0.5698402909980532])
 
 
 def placed(height_axis: Ints, base: Floats, height: Floats) -> Floats:
@@ -111,6 +116,60 @@ def heights_between(curves: Risers, lower: Floats, upper: Floats, below: Floats,
     bracket = Brackets(crossing, *(a[crossing] for a in (lower, upper, below, above)))
     found[crossing] = roots(curves, bracket)
     return found
+
+
+def coincide(functions: BoundedFunctions, leaf: Ints, axis: Ints, height: Floats, base: Floats) -> Flags:
+    """Whether two leaves (2, n) have one surface in a piece, whose height and base go between these (2, ..., n).
+
+    They have if wherever both are met over the base they are met at one height; if they are met over so little of it
+    that none of the places is there, the surface is followed beyond the ends of the height.
+    """
+    met, apart = np.zeros(len(axis), np.int64), np.zeros(len(axis), bool)
+    for test in (_met_within, _met_beyond):
+        going = np.flatnonzero(~apart & (met == 0))
+        for number in range(PLACES):
+            if not len(going):
+                break
+            share = (0.5 + number * STEP[: base.ndim - 1]) % 1
+            share = share[0] if base.ndim == 2 else share[:, None]
+            place = base[0][..., going] + share * (base[1] - base[0])[..., going]
+            there, equal = test(functions, leaf[:, going], axis[going], height[:, going], place)
+            met[going] += there & equal
+            apart[going] = there & ~equal
+            going = going[~apart[going] & (met[going] < AGREED)]
+    return ~apart & (met > 0)
+
+
+def _met_within(
+    functions: BoundedFunctions, leaf: Ints, axis: Ints, height: Floats, place: Floats
+) -> tuple[Flags, Flags]:
+    """Whether both leaves are met over places of the base, and at one height."""
+    count = len(axis)
+    every, both = np.arange(2 * count), np.tile(np.arange(count), 2)
+    curves = Risers(functions, leaf.ravel(), axis[both], np.tile(place, 2))
+    lower, upper = height[:, both]
+    below, _ = curves.evaluate(every, lower)
+    above, _ = curves.evaluate(every, upper)
+    one, other = heights_between(curves, lower, upper, below, above).reshape(2, count)
+    there: Flags = ((below > 0) != (above > 0)).reshape(2, count).all(axis=0)
+    return there, np.abs(one - other) <= SAME * functions.tolerance
+
+
+def _met_beyond(
+    functions: BoundedFunctions, leaf: Ints, axis: Ints, height: Floats, place: Floats
+) -> tuple[Flags, Flags]:
+    """Whether the first is met over places, not farther from the piece than it is tall, and the other there too."""
+    curves, other = (Risers(functions, one, axis, place) for one in leaf)
+    every, at = np.arange(len(axis)), height[0] / 2 + height[1] / 2
+    reach, left = 1.5 * (height[1] - height[0]), np.full(len(axis), np.inf)
+    with np.errstate(all="ignore"):
+        for _ in range(NEWTON_STEPS):
+            value, slope = curves.evaluate(every, at)
+            left = value / slope
+            at = at - left
+        value, slope = other.evaluate(every, at)
+        there = (np.abs(left) <= functions.tolerance) & (np.abs(at - height[0] / 2 - height[1] / 2) <= reach)
+        return there, np.abs(value / slope) <= SAME * functions.tolerance
 
 
 @dataclass(frozen=True)

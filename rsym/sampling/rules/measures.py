@@ -206,6 +206,7 @@ def _compared(values: Floats, before: Floats, slack: float) -> tuple[Integral, .
 def _central(sums: Floats, first: int, rows: list[tuple[int, int]], middle: Floats) -> tuple[Floats, Floats]:
     """Centroid and second moments about it, from sums about the middle of the box."""
     content, dimension = sums[0], len(middle)
-    away = sums[first : first + dimension] / content
+    with np.errstate(invalid="ignore", divide="ignore"):  # of nothing there is no centroid
+        away = sums[first : first + dimension] / content
     moments = [sums[first + dimension + k] - content * away[i] * away[j] for k, (i, j) in enumerate(rows)]
     return middle + away, np.array(moments)

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.bases import SAME, plane_rule
+from rsym.sampling.rules.bases import plane_rule
 from rsym.sampling.rules.columns import CellRule, Columns, rules_together, tensor_rules
-from rsym.sampling.rules.curves import Risers, along, heights_between, placed
+from rsym.sampling.rules.curves import Risers, along, coincide, heights_between, placed
 from rsym.sampling.rules.division import INSIDE, OPEN, BoundedFunctions, CutPieces, Limits, divide, starts
-from rsym.sampling.rules.walks import BETWEEN, LAST
+from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
 
 LIMITS = Limits(4, 40, 3.0)
 FACE, GAP = 0, 1
@@ -107,12 +107,18 @@ class BaseFunctions:
     def of(cls, columns: Columns) -> BaseFunctions:
         """Of the pieces of columns."""
         pieces, upright = columns.pieces, columns.upright
+        remaining = np.array([[1, 2], [0, 2], [0, 1]])[pieces.axis].T
+        base = [np.take_along_axis(end, remaining, axis=0) for end in (pieces.lower, pieces.upper)]
         every, rises = np.arange(len(pieces.leaf)), np.flatnonzero(~upright)
         one, other = [every, rises], [every, rises]
         for apart in range(1, int(np.bincount(pieces.piece[rises]).max(initial=1))):
             same = np.flatnonzero(pieces.piece[rises[apart:]] == pieces.piece[rises[:-apart]])
-            one.append(rises[same])
-            other.append(rises[same + apart])
+            pair = np.stack([rises[same], rises[same + apart]])
+            own = pieces.piece[pair[0]]
+            ends = np.stack([end[:, own] for end in base])
+            ones = coincide(columns.functions, pieces.leaf[pair], pieces.axis[own], columns.height[:, own], ends)
+            one.append(pair[0, ~ones])
+            other.append(pair[1, ~ones])
         pair = np.stack([np.concatenate(one), np.concatenate(other)])
         piece = pieces.piece[pair[0]]
         number = np.arange(len(piece))
@@ -120,11 +126,9 @@ class BaseFunctions:
         pair, piece, number = pair[:, order], piece[order], number[order]
         top = number >= len(every)
         low, high = along(pieces.gradient, pieces.axis[pieces.piece])
-        remaining = np.array([[1, 2], [0, 2], [0, 1]])[pieces.axis].T
         count = len(pieces)
         cells = CutPieces(
-            np.take_along_axis(pieces.lower, remaining, axis=0),
-            np.take_along_axis(pieces.upper, remaining, axis=0),
+            *base,
             np.arange(count),
             np.empty((count, 0), np.int8),
             starts(np.bincount(piece, minlength=count)),

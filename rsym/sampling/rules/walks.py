@@ -2,7 +2,8 @@
 
 A value within the tolerance at an end of a line is a zero there: the boundary may run along the end. It is counted in
 the piece whose inside it bounds, and only if the signs that leaves have beyond, where those zero at the end have the
-other sign, make the outside. Crossings closer to each other than the tolerance are one.
+other sign, make the outside. Crossings closer to each other than some tolerances are one; of leaves that have one
+surface it is the first that bounds.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 
 from rsym.sampling.compiled import loop, step
 
+SAME = 4.0  # tolerances; breaks and roots so close are one
 ACROSS, BETWEEN, FIRST, LAST = 0, 1, 2, 3  # a line for the inside, or on upright leaves: within a piece, at its ends
 
 
@@ -93,7 +95,7 @@ def note(room: Any, numbers: Any, count: int, low: float, high: float, weight: f
 def cross(start: int, count: int, tolerance: float, leaf: Any, root: Any, order: Any, signs: Any) -> int:
     """Change the signs of the leaves that cross where the first of them does; the number of the next one."""
     number = start
-    while number < count and root[order[number]] - root[order[start]] <= tolerance:
+    while number < count and root[order[number]] - root[order[start]] <= SAME * tolerance:
         k = leaf[order[number]]
         signs[k] = -signs[k]
         number += 1
@@ -129,8 +131,9 @@ def walk_inside(
             if now != inside:
                 found = -1
                 for j in range(number, following):
-                    if found < 0 and (own[leaf[order[j]]] > 0) == now:
-                        found = leaf[order[j]]
+                    k = leaf[order[j]]
+                    if (found < 0 or k < found) and (own[k] > 0) == now:
+                        found = k
                 outer = note(edges, edge_numbers, outer, here, here, share, line, found)
                 if inside:
                     inner = note(panels, panel_numbers, inner, at, here, share, line, -1)
@@ -168,9 +171,10 @@ def walk_parts(
         number = 0
         while number < count:
             here, found = root[order[number]], -1
-            while number < count and root[order[number]] - here <= tolerance:
-                if walls[order[number]] and found < 0:
-                    found = order[number]
+            while number < count and root[order[number]] - here <= SAME * tolerance:
+                k = order[number]
+                if walls[k] and (found < 0 or leaf[k] < leaf[found]):
+                    found = k
                 number += 1
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, here, here, share, line, leaf[found])
