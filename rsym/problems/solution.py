@@ -361,7 +361,11 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
     near = [] if problem.corners is None else [corner.point for corner in problem.corners.corners]
+    if problem.cuts:
+        switched = [tuple(point) for points in problem.switches.points for point in points.tolist()]
+        near += [point for point in switched if point not in near]
     rule = rule_on(problem.shape, problem.named, cells, order, near)
+    rule = problem.switches.relabelled(rule) if problem.cuts else rule
     if problem.axis >= 0:
         across = rule.points[:, 1 - problem.axis]
         least, most = float(across.min()), float(across.max())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -17,7 +17,7 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.corners.common_zeros import CommonZero, common_zeros
 from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
-from rsym.problems.corners.leaf_jets import Line, leaf_jets
+from rsym.problems.corners.leaf_jets import StraightEdge, leaf_jets
 from rsym.problems.corners.reaches import Tips, reaches
 from rsym.problems.corners.sectors import Sector, sectors
 from rsym.sampling.extent import extent
@@ -51,6 +51,8 @@ class PlaneCorner:
         Within this distance no other part of the boundary lies, and leaf coordinates are one to one; 0 of a cusp.
     alone : bool
         Whether no other leaf passes through the point; else only what lies between the edges is of this corner.
+    natural : pair of bool, optional
+        Whether nothing is prescribed on the first and the second edge; by default as on all of their leaves.
     straight : pair of bool
         Which edges are straight though their leaves are not linear, such as that of a strip; there the distance from
         the line stands for the leaf.
@@ -70,6 +72,7 @@ class PlaneCorner:
     reach: float
     alone: bool = True
     straight: tuple[bool, bool] = (False, False)
+    natural: tuple[bool, bool] | None = None
 
     @property
     def is_reentrant(self) -> bool:
@@ -82,10 +85,22 @@ class PlaneCorner:
         return self.angle in (0.0, 2 * math.pi)
 
     @property
-    def lines(self) -> tuple[Line | None, Line | None]:
-        """What stands for the leaves of straight edges."""
+    def is_flat(self) -> bool:
+        """Whether it is a point of a smooth edge, where conditions change."""
+        return self.angle == math.pi
+
+    def free(self, natural: Collection[int]) -> tuple[bool, bool]:
+        """Whether nothing is prescribed on each edge, where nothing is on these leaves."""
+        return (self.leaves[0] in natural, self.leaves[1] in natural) if self.natural is None else self.natural
+
+    @property
+    def lines(self) -> tuple[StraightEdge | None, StraightEdge | None]:
+        """What stands for the leaves of straight edges; that along a flat one stands for the second."""
+        if self.is_flat:
+            straight = StraightEdge(self.point, self.gradients[0]) if self.straight[0] else None
+            return straight, StraightEdge(self.point, (float(self.edges[0, 0]), float(self.edges[0, 1])))
         first, second = (
-            Line(self.point, slope) if straight else None
+            StraightEdge(self.point, slope) if straight else None
             for slope, straight in zip(self.gradients, self.straight, strict=True)
         )
         return first, second
@@ -180,6 +195,30 @@ def surveyed_corners(
     return _with_reaches(leaves, found, met, size), tuple(refused)
 
 
+def flat_corners(shape: Shape, places: Sequence[tuple[Floats, int, tuple[bool, bool]]]) -> tuple[PlaneCorner, ...]:
+    """The points on leaves, by their numbers, where conditions change to and from natural ones along the edge.
+
+    Both edges are one: from the point the first goes so that inside is to the left.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> (found,) = flat_corners(rsym.disc(1), [(np.array([0.0, -1.0]), 0, (True, False))])
+    >>> found.edges.round(12).tolist(), 0 < found.reach <= 2
+    ([[1.0, 0.0], [-1.0, 0.0]], True)
+    """
+    leaves, named, box = leaf_boxes(shape), leaf_names(shape_form(shape), shape), _box(shape, None, None)
+    size = float(np.hypot(*box.sides[:, 0]))
+    found = []
+    for point, leaf, natural in places:
+        slope = leaves.at(point[:, None])[leaf, 1:, 0]
+        p, place = (float(slope[0]), float(slope[1])), (float(point[0]), float(point[1]))
+        straight = _is_straight(leaves, leaf, point, slope, size)
+        both = named[leaf], named[leaf]
+        found.append(PlaneCorner(place, math.pi, (leaf, leaf), both, (p, p), 0.0, True, (straight, True), natural))
+    return _with_reaches(leaves, found, [np.array([corner.leaves[0]]) for corner in found], size)
+
+
 def _with_reaches(
     leaves: LeafBoxes, found: Sequence[PlaneCorner], met: Sequence[Ints], size: float
 ) -> tuple[PlaneCorner, ...]:
@@ -189,7 +228,7 @@ def _with_reaches(
     tips = Tips(
         np.array([corner.point for corner in own]).reshape(-1, 2),
         np.array([corner.leaves for corner in own], np.int64).reshape(-1, 2),
-        np.array([corner.gradients for corner in own]).reshape(-1, 2, 2),
+        np.array([(one.gradients[0], one.edges[0]) if one.is_flat else one.gradients for one in own]).reshape(-1, 2, 2),
         np.array([corner.angle for corner in own]),
         np.array([corner.straight for corner in own], np.bool_).reshape(-1, 2),
         [met[k] for k in known],
