@@ -129,10 +129,13 @@ class Problem:
     def _lift_on_leaves(self) -> sp.Expr:
         """That of values on leaves of the split form, where no name tells these apart."""
         own: dict[sp.Expr, list[int]] = {}
-        for leaf in self.leaves(Dirichlet):
-            value = formula(self.conditions[leaf].values[0], self.shape, "the value")[0]  # type: ignore[union-attr]
+        for leaf in self.leaves(Dirichlet, UnknownLevel):
+            condition = self.conditions[leaf]
+            value = (
+                formula(condition.value, self.shape, "the value")[0] if isinstance(condition, Dirichlet) else sp.S.Zero
+            )
             own.setdefault(value, []).append(leaf)
-        named = {f"of the value {value}": leaves for value, leaves in own.items()}
+        named: dict[Name, list[int]] = {f"where it is {value}": leaves for value, leaves in own.items()}
         box = bounds_or_extent(self.shape, None)
         rooted = {leaf for k, cut in enumerate(self.cuts) for leaf in (cut.leaf, len(self.form.leaves) + k)}
         powers = {name: SMOOTHLY for name, leaves in named.items() if rooted & {*leaves}}

@@ -70,7 +70,8 @@ def split_form(form: SignForm, cuts: Sequence[EdgeCut]) -> SignForm:
     b, count, extra = form.builder, len(form.leaves), len(cuts)
     functions = [lower(b, cut.where) for cut in cuts]
     leaves = (*form.leaves, *(form.leaves[cut.leaf] for cut in cuts), *functions, *map(b.neg, functions))
-    gates, place = [], {}
+    gates: list[Gate] = []
+    place: dict[int, int] = {}
     for k, cut in enumerate(cuts):
         first = len(leaves) + len(gates)
         gates.append(Gate("max", cut.leaf, count + 2 * extra + k))

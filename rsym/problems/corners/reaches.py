@@ -131,7 +131,7 @@ def _unknown(leaves: LeafBoxes, tips: Tips, pool: _Pool, others: tuple[Flags, Fl
     grows = (tangents[..., None] * slopes).min(axis=-1).sum(axis=-1) > 0
     # What stands for the second leaf of a flat corner goes along the edge.
     checked = straight & (np.array([True, False]) | (tips.leaves[owner, :1] != tips.leaves[owner, 1:]))
-    again = (checked & ~grows & ~(own[:, :, 0, 0] > 0).T & ~(own[:, :, 0, 1] < 0).T).any(axis=1)
+    again: Flags = (checked & ~grows & ~(own[:, :, 0, 0] > 0).T & ~(own[:, :, 0, 1] < 0).T).any(axis=1)
     slopes = np.where(straight[:, :, None, None], tangents[..., None], slopes)
     return (matter & beyond[:, owner]).any(axis=0) | met | again | _folds(inverse, slopes)
 
