@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import shape_form
@@ -189,7 +189,7 @@ def surveyed_corners(
             refused.append(error)
             continue
         alone = len(own) == 1 and {leaves.lines[k] for k in zeros} == {leaves.lines[k] for k in own[0][:2]}
-        corners_here = [_corner(leaves, named, meeting, sector, size, alone=alone) for sector in own]
+        corners_here = [_corner(leaves, named, meeting, sector, alone=alone) for sector in own]
         found += [corner for corner in corners_here if corner is not None]
         met += [zeros for corner in corners_here if corner is not None]
     return _with_reaches(leaves, found, met, size), tuple(refused)
@@ -213,28 +213,31 @@ def flat_corners(shape: Shape, places: Sequence[tuple[Floats, int, tuple[bool, b
     for point, leaf, natural in places:
         slope = leaves.at(point[:, None])[leaf, 1:, 0]
         p, place = (float(slope[0]), float(slope[1])), (float(point[0]), float(point[1]))
-        straight = _is_straight(leaves, leaf, point, slope, size)
         both = named[leaf], named[leaf]
-        found.append(PlaneCorner(place, math.pi, (leaf, leaf), both, (p, p), 0.0, True, (straight, True), natural))
+        found.append(PlaneCorner(place, math.pi, (leaf, leaf), both, (p, p), 0.0, natural=natural))
     return _with_reaches(leaves, found, [np.array([corner.leaves[0]]) for corner in found], size)
 
 
 def _with_reaches(
     leaves: LeafBoxes, found: Sequence[PlaneCorner], met: Sequence[Ints], size: float
 ) -> tuple[PlaneCorner, ...]:
-    """The corners with their reaches; `met` are the leaves that vanish at each."""
+    """The corners with their reaches, straight edges known; `met` are the leaves that vanish at each."""
     known = [k for k, corner in enumerate(found) if not corner.is_cusp]
-    own = [found[k] for k in known]
+    if not known:
+        return tuple(found)
+    straight = _straight(leaves, [found[k] for k in known], size)
+    own = [replace(found[k], straight=(bool(p), bool(q))) for k, (p, q) in zip(known, straight, strict=True)]
     tips = Tips(
         np.array([corner.point for corner in own]).reshape(-1, 2),
         np.array([corner.leaves for corner in own], np.int64).reshape(-1, 2),
         np.array([(one.gradients[0], one.edges[0]) if one.is_flat else one.gradients for one in own]).reshape(-1, 2, 2),
         np.array([corner.angle for corner in own]),
-        np.array([corner.straight for corner in own], np.bool_).reshape(-1, 2),
+        straight,
         [met[k] for k in known],
     )
-    far = dict(zip(known, reaches(leaves, tips, size).tolist(), strict=True))
-    return tuple(replace(corner, reach=far.get(k, 0.0)) for k, corner in enumerate(found))
+    far = reaches(leaves, tips, size).tolist()
+    made = {k: replace(corner, reach=reach) for k, corner, reach in zip(known, own, far, strict=True)}
+    return tuple(made.get(k, corner) for k, corner in enumerate(found))
 
 
 def _box(shape: Shape, letters: Mapping[Any, float] | None, bounds: Any) -> Boxes:
@@ -272,7 +275,7 @@ def _at(
 
 
 def _corner(
-    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, size: float, *, alone: bool
+    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, *, alone: bool
 ) -> PlaneCorner | None:
     """The corner that a sector is, of unknown reach; None if its edges go on as each other."""
     both = sector.first, sector.second
@@ -282,25 +285,31 @@ def _corner(
     angle = sector.opening if sector.opening in (0.0, 2 * math.pi) else _angle(slopes)
     (px, py), (qx, qy) = slopes.tolist()
     place = float(meeting.point[0]), float(meeting.point[1])
-    first, second = (
-        _is_straight(leaves, leaf, meeting.point, slope, size) for leaf, slope in zip(both, slopes, strict=True)
-    )
     parts, gradients = (named[both[0]], named[both[1]]), ((px, py), (qx, qy))
-    return PlaneCorner(place, angle, both, parts, gradients, 0.0, alone, (first, second))
+    return PlaneCorner(place, angle, both, parts, gradients, 0.0, alone)
 
 
-def _is_straight(leaves: LeafBoxes, leaf: int, point: Floats, slope: Floats, size: float) -> bool:
-    """Whether a leaf that is not linear is 0 all along its tangent: one without kinks that is at many places is."""
-    if leaves.kinked[leaf]:
-        return False
-    length = float(np.hypot(*slope))
-    along = np.array([-slope[1], slope[0]]) / length
-    on = point[:, None] + along[:, None] * (size * ALONG)
-    beside = on + slope[:, None] / length * (size * ALONG[::-1])
+def _straight(leaves: LeafBoxes, own: Sequence[PlaneCorner], size: float) -> Flags:
+    """Which edges (n, 2) are straight of leaves that are not linear: 0 at many places of their tangents, without kinks.
+
+    Of a flat corner the second is what goes along it.
+    """
+    points = np.repeat([corner.point for corner in own], 2, axis=0).T
+    slopes = np.array([corner.gradients for corner in own]).reshape(-1, 2).T
+    numbers = np.array([corner.leaves for corner in own]).ravel()
+    lengths = np.hypot(*slopes)
+    p, q = slopes / lengths
+    on = points[:, :, None] + size * ALONG * np.stack([-q, p])[:, :, None]
+    beside = on + size * ALONG[::-1] * np.stack([p, q])[:, :, None]
     with np.errstate(all="ignore"):
-        values, gradients = leaves.at(on)[leaf, 0], leaves.at(beside)[leaf, 1:]
-        curved = not np.abs(gradients - slope[:, None]).max() <= ON_LINE * length
-        return bool(curved and np.abs(values).max() <= ON_LINE * length * size)
+        found = leaves.at(np.concatenate([on, beside], axis=2).reshape(2, -1))
+        found = found.reshape(leaves.count, 3, len(numbers), -1)[numbers, :, np.arange(len(numbers))]
+        values, gradients = found[:, 0, : len(ALONG)], found[:, 1:, len(ALONG) :]
+        zero = np.abs(values).max(axis=1) <= ON_LINE * size * lengths
+        linear = np.abs(gradients - slopes.T[:, :, None]).max(axis=(1, 2)) <= ON_LINE * lengths
+    straight = (zero & ~linear & ~np.array(leaves.kinked)[numbers]).reshape(-1, 2)
+    straight[:, 1] |= [corner.is_flat for corner in own]
+    return straight
 
 
 def _angle(slopes: Floats) -> float:
