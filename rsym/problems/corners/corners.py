@@ -307,7 +307,7 @@ def _straight(leaves: LeafBoxes, own: Sequence[PlaneCorner], size: float) -> Fla
         values, gradients = found[:, 0, : len(ALONG)], found[:, 1:, len(ALONG) :]
         zero = np.abs(values).max(axis=1) <= ON_LINE * size * lengths
         linear = np.abs(gradients - slopes.T[:, :, None]).max(axis=(1, 2)) <= ON_LINE * lengths
-    straight = (zero & ~linear & ~np.array(leaves.kinked)[numbers]).reshape(-1, 2)
+    straight: Flags = (zero & ~linear & ~np.array(leaves.kinked)[numbers]).reshape(-1, 2)
     straight[:, 1] |= [corner.is_flat for corner in own]
     return straight
 
