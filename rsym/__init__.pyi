@@ -1,5 +1,5 @@
 from . import paper, primitives, surfaces
-from .analysis.conditions import clamped, constant, dirichlet, neumann, robin, supported
+from .analysis.conditions import clamped, constant, dirichlet, neumann, robin, supported, switched
 from .analysis.differential import (
     curvature,
     gaussian_curvature,
@@ -343,6 +343,7 @@ __all__ = [
     "supported",
     "surfaces",
     "sweep",
+    "switched",
     "to_jax",
     "to_meshio",
     "to_pyvista",

@@ -61,6 +61,20 @@ class Supported(BoundaryCondition):
     value: Value
 
 
+@dataclass(frozen=True)
+class Switched(BoundaryCondition):
+    """One condition where an expression is positive, another elsewhere on the part."""
+
+    where: sp.Expr
+    inside: BoundaryCondition
+    outside: BoundaryCondition
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """What both are made of, and the expression."""
+        return (self.where, *self.inside.values, *self.outside.values)
+
+
 def dirichlet(value: Any) -> Dirichlet:
     """The condition u = value on a part of the boundary; a bare number or expression means it too.
 
@@ -185,6 +199,39 @@ def supported(value: Any = 0) -> Supported:
     Supported(value=0)
     """
     return Supported(condition_value(value, "the value"))
+
+
+def switched(where: Any, inside: Any, outside: Any) -> Switched:
+    """One condition inside of a shape, another outside of it: `solve` knows what solutions do where they change.
+
+    Parameters
+    ----------
+    where : Shape or expression
+        Positive where the first holds. It may cut an edge anywhere but along it.
+    inside, outside : values, ``rsym.robin(c, h)`` or ``rsym.neumann(h)``
+        Both for parts of the boundary of a shape in the plane.
+
+    Raises
+    ------
+    RsymError
+        For other conditions.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> rsym.switched(rsym.half_plane((-1, 0), 0), 0, rsym.neumann())
+    Switched(where=-x, inside=Dirichlet(value=0), outside=Robin(coefficient=0, flux=0))
+    """
+    both = as_condition(inside), as_condition(outside)
+    expression = where.expression if isinstance(where, Equation) else number(where, "where conditions change")
+    for one in both:
+        if not isinstance(one, Dirichlet | Robin):
+            raise RsymError(
+                f"conditions that change on an edge are values and fluxes, got {one}",
+                code="condition",
+                remedy="rsym.switched(half, 0, rsym.neumann())",
+            )
+    return Switched(expression, *both)
 
 
 def as_condition(given: Any) -> BoundaryCondition:

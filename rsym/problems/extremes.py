@@ -40,7 +40,7 @@ class Extremes:
         found = [(float(values[best]), points[best]), *self._from(points[best : best + 1], np.empty((1, 0), np.int64))]
         starts = self._starts(values[len(self.rule.points) :], min(value for value, _ in found))
         if len(starts):
-            there, own = boundary.points[starts], boundary.leaves[starts]
+            there, own = boundary.points[starts], np.array(self.problem.origins)[boundary.leaves[starts]]
             for leaves in self._sets(there, own):
                 good = (leaves >= 0).all(axis=1)
                 found += self._from(there[good], leaves[good])
@@ -49,7 +49,7 @@ class Extremes:
     def _starts(self, values: Floats, least: float) -> Ints:
         """Of the boundary the least point in each cell of each leaf, where a cell may have less than `least`."""
         boundary = self.rule.boundary
-        known = np.flatnonzero((boundary.leaves < len(self.problem.form.leaves)) & np.isfinite(values))
+        known = np.flatnonzero((boundary.leaves < len(self.problem.origins)) & np.isfinite(values))
         order = known[np.argsort(values[known], kind="stable")]
         keys = np.column_stack((boundary.cells[order], boundary.leaves[order]))
         starts = order[np.sort(np.unique(keys, axis=0, return_index=True)[1])]

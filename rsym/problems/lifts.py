@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
@@ -14,7 +15,7 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import symbols_of
 from rsym.problems.conditions import Name
 from rsym.problems.interpolation import interpolate
-from rsym.problems.parts import formula, parts_of
+from rsym.problems.parts import Parts, formula, parts_of
 from rsym.program.raising import raised
 
 
@@ -52,13 +53,27 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Ex
             return value
     if any(len(given) > 1 for given in data.values()):
         return interpolate(shape, data).expression
-    parts = parts_of(shape, data)
+    return lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {})
+
+
+def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], powers: Mapping[Name, int]) -> sp.Expr:
+    """An expression with values on parts: the sum of u_i/w_i over that of 1/w_i; some weights have a power above 1.
+
+    These are taken over the size of the shape, for far from their parts they grow.
+    """
     parts.require_all()
-    parts.require_agreement({name: given[0] for name, given in data.items() if name in parts.leaves})
+    parts.require_agreement({name: value for name, value in values.items() if name in parts.leaves})
     nodes = {name: weight(parts.form, leaves) for name, leaves in parts.leaves.items()}
     made = parts.form.builder.nodes
-    pieces = [OnPart(data[name][0], raised(made, node)) for name, node in nodes.items() if node is not None]
-    return inverse_distances(pieces, 1)
+    size = sp.Float(float(np.diff(parts.box, axis=1).max()))
+    pieces = [
+        OnPart(
+            values[name], size * (raised(made, node) / size) ** powers[name] if name in powers else raised(made, node)
+        )
+        for name, node in nodes.items()
+        if node is not None
+    ]
+    return inverse_distances(pieces, 1) if pieces else sp.S.Zero
 
 
 def _expression(shape: Shape, value: Any, name: Name) -> sp.Expr:

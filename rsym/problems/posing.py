@@ -18,6 +18,7 @@ from rsym.problems.loops import holes
 from rsym.problems.places import relettered
 from rsym.problems.pointwise import compiled
 from rsym.problems.problem import VALUED, Problem, with_corners
+from rsym.problems.switches import cut_conditions
 
 # Places along an axis, in shares of the size of a shape.
 PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
@@ -47,7 +48,8 @@ def posed(problem: Problem) -> Problem:
             )
         conditions[leaf] = None
     unknown = [leaf for leaf, one in enumerate(conditions) if isinstance(one, UnknownLevel)]
-    return replace(problem, conditions=tuple(conditions), levels=holes(problem.shape, unknown), corners=None)
+    every, cuts = cut_conditions(problem.shape, conditions, problem.order)
+    return replace(problem, conditions=every, levels=holes(problem.shape, unknown), corners=None, cuts=cuts)
 
 
 def posed_again(problem: Problem, values: Mapping[Any, float]) -> Problem:

@@ -31,14 +31,18 @@ from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.equations import EllipticEquation
-from rsym.problems.lifts import lift_of
+from rsym.problems.lifts import lift_of, lift_on
+from rsym.problems.parts import Parts, formula
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
+from rsym.problems.switches import EdgeCut, Switches, split_form
 from rsym.problems.systems.borders import Beside
 from rsym.problems.weak.weak_form import WeakForm, sized
 from rsym.program.lowering import lower
+from rsym.sampling.extent import bounds_or_extent
 
 VALUE, FLUX = "value", "flux"
+SMOOTHLY = 4  # the power of weights with roots in them that a lift is made of
 NO_LOAD = 1e-9  # of the largest at corners: rounding of their places
 VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
 
@@ -81,6 +85,7 @@ class Problem:
     flows : what flows into each of these parts, nothing by default.
     corners : functions of corners; None if there are to be none.
     poisson : Poisson's ratio of a plate, where it matters.
+    cuts : leaves on which conditions change; what holds outside stands after the conditions of all leaves.
     """
 
     shape: Shape
@@ -92,6 +97,7 @@ class Problem:
     flows: tuple[float, ...] = ()
     corners: CornerChoice | None = None
     poisson: float | None = None
+    cuts: tuple[EdgeCut, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again."""
@@ -111,6 +117,22 @@ class Problem:
     def _lowered(self) -> _Lowered:
         return _lowered(self.shape)
 
+    @cached_property
+    def split(self) -> SignForm:
+        """The form with two leaves for each that is cut."""
+        with self._lowered.lock:
+            return split_form(self.form, self.cuts) if self.cuts else self.form
+
+    @cached_property
+    def switches(self) -> Switches:
+        """Where conditions change."""
+        return Switches(self.shape, self.split, self.cuts, self.conditions)
+
+    @property
+    def origins(self) -> tuple[int, ...]:
+        """Of each leaf with a condition the number in the form."""
+        return (*range(len(self.form.leaves)), *(cut.leaf for cut in self.cuts))
+
     def leaves(self, *kinds: type[BoundaryCondition]) -> tuple[int, ...]:
         """The leaves with conditions of some kinds."""
         return tuple(k for k, condition in enumerate(self.conditions) if isinstance(condition, kinds))
@@ -127,7 +149,7 @@ class Problem:
             return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
 
     def _vanishing(self, leaves: Collection[int]) -> int:
-        found = weight(self.form, leaves)
+        found = weight(self.split, leaves)
         return self.form.builder.const(1) if found is None else found
 
     def weight(self, order: int) -> PointFormulas:
@@ -137,9 +159,26 @@ class Problem:
     @cached_property
     def lift_expression(self) -> sp.Expr:
         """A function with the values of u on the boundary."""
+        if self.cuts:
+            return self._lift_on_leaves()
         names = assigned(self.shape, self.named)
         kept = {name for name, one in zip(names, self.conditions, strict=True) if one is not None}
         return lift_of(self.shape, {name: one for name, one in self.named.items() if name in kept})
+
+    def _lift_on_leaves(self) -> sp.Expr:
+        """That of values on leaves of the split form, where no name tells these apart."""
+        own: dict[sp.Expr, list[int]] = {}
+        for leaf in self.leaves(Dirichlet, UnknownLevel):
+            condition = self.conditions[leaf]
+            value = (
+                formula(condition.value, self.shape, "the value")[0] if isinstance(condition, Dirichlet) else sp.S.Zero
+            )
+            own.setdefault(value, []).append(leaf)
+        named: dict[Name, list[int]] = {f"where it is {value}": leaves for value, leaves in own.items()}
+        box = bounds_or_extent(self.shape, None)
+        rooted = {leaf for k, cut in enumerate(self.cuts) for leaf in (cut.leaf, len(self.form.leaves) + k)}
+        powers = {name: SMOOTHLY for name, leaves in named.items() if rooted & {*leaves}}
+        return lift_on(Parts(self.shape, named, self.split, box), dict(zip(named, own, strict=True)), powers)
 
     def lift(self, order: int) -> PointFormulas | None:
         """Its derivatives; None where it is 0."""
@@ -212,13 +251,13 @@ class Problem:
         return np.abs(points[:, 1 - self.axis])
 
 
-def with_corners(problem: Problem, degree: int) -> Problem:
+def with_corners(problem: Problem, degree: int = 6) -> Problem:
     """The same problem with functions for the corners of its shape, for splines of a degree; without where none are."""
     diffusion = problem.equation.diffusion
     alike = diffusion[0][0] == diffusion[-1][-1] and not any(
         value for i, row in enumerate(diffusion) for j, value in enumerate(row) if i != j
     )
-    if problem.dimension != 2 or problem.order != 1 or not alike or len(problem.form.leaves) < 2:
+    if problem.dimension != 2 or problem.order != 1 or not alike or len(problem.split.leaves) < 2:
         return problem
     place = list(problem.equation.expressions).index("f")
 
@@ -229,7 +268,9 @@ def with_corners(problem: Problem, degree: int) -> Problem:
 
     valued = problem.leaves(*VALUED)
     natural = [leaf for leaf in range(len(problem.form.leaves)) if leaf not in valued]
-    return replace(problem, corners=chosen_corners(problem.shape, natural, loaded, axis=problem.axis, degree=degree))
+    marked = problem.switches.marked if problem.cuts else tuple
+    chosen = chosen_corners(problem.shape, natural, loaded, axis=problem.axis, degree=degree, marked=marked)
+    return replace(problem, corners=chosen)
 
 
 def oriented(problem: Problem, points: Floats) -> Problem:
@@ -263,7 +304,8 @@ def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
 
 def on_part(problem: Problem, leaves: Any, part: str) -> Any:
     """Which of the points with these leaves lie on a part."""
-    names = shape_leaf_parts(problem.shape)
+    every = shape_leaf_parts(problem.shape)
+    names = [every[leaf] for leaf in problem.origins]
     known = list(dict.fromkeys(name for one in names for name in one))
     if part not in known:
         raise RsymError(

@@ -380,7 +380,10 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     """The rule of integration of a problem, graded towards corners that have functions of their own."""
     near = None if problem.corners is None else problem.corners.functions.grading
+    if problem.cuts:
+        near = problem.switches.graded(near)
     rule = rule_on(problem.shape, problem.named, cells, order, near)
+    rule = problem.switches.relabelled(rule) if problem.cuts else rule
     if problem.axis >= 0:
         across = rule.points[:, 1 - problem.axis]
         least, most = float(across.min()), float(across.max())

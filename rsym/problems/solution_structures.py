@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import Any
 
-from rsym.analysis.conditions import BoundaryCondition, Clamped, Robin, UnknownLevel
+from rsym.analysis.conditions import BoundaryCondition, Clamped, Robin, Switched, UnknownLevel
 from rsym.analysis.structures import Conditioned, SolutionStructure, structure_of
+from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, given_by_name
@@ -86,6 +87,12 @@ def solution_structure(shape: Shape, conditions: Any, *, length: Any = None) -> 
     given: dict[Name, BoundaryCondition] = {}
     letters = shape.letters
     for name, condition in given_by_name(shape, conditions).items():
+        if isinstance(condition, Switched):
+            raise RsymError(
+                f"what is said of {name!r} changes on it: there is no formula for that",
+                code="condition",
+                remedy="solve takes it",
+            )
         values = {}
         for one in fields(condition):
             expression, more = formula(getattr(condition, one.name), shape, f"the condition on {name!r}")

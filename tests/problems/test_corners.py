@@ -210,3 +210,21 @@ def test_a_re_entrant_corner_with_mixed_conditions():
     for r, angle in ((0.5, 1.0), (0.1, 2.5), (0.001, 4.0)):
         value = found(r * math.cos(angle), r * math.sin(angle))
         assert abs(value - r ** (1 / 3) * math.sin(angle / 3)) < 1e-5
+
+
+@pytest.mark.parametrize(("opening", "error"), [(1.0, 1e-6), (2.5, 5e-6), (4.0, 5e-6)])
+def test_corners_of_any_opening_with_mixed_conditions(opening, error):
+    """u = r**rate sin(rate*theta), rate = pi/2 over the opening: 0 on one edge, no flow through the other."""
+    edges = side(math.pi / 2, 0).named("held"), side(opening - math.pi / 2, 0).named("free")
+    wedge = (edges[0] & edges[1]) if opening < math.pi else (edges[0] | edges[1])
+    rate, half = math.pi / 2 / opening, opening / 2
+    angle = half + sp.atan2(y * math.cos(half) - x * math.sin(half), x * math.cos(half) + y * math.sin(half))
+    exact = (x**2 + y**2) ** (rate / 2) * sp.sin(rate * angle)
+    conditions = {"held": 0, "free": rsym.neumann(0), "rim": rsym.neumann(rate * exact)}
+    shape = rsym.disc(1).named("rim") & wedge
+    found = rsym.solve(shape, "-laplacian(u) = 0", conditions, cells=20, degree=5)
+    assert found.report.corners == 1
+    plain = rsym.solve(shape, "-laplacian(u) = 0", conditions, cells=20, degree=5, corners=False)
+    r, share = np.array([[0.5, 0.3], [0.1, 0.5], [0.001, 0.9]]).T
+    place, values = (r * np.cos(share * opening), r * np.sin(share * opening)), r**rate * np.sin(rate * share * opening)
+    assert np.abs(found(*place) - values).max() < error < np.abs(plain(*place) - values).max() / 3

@@ -61,6 +61,7 @@ def chosen_corners(
     most: int = MOST,
     axis: int = -1,
     degree: int = LOW + 1,
+    marked: Callable[[Sequence[PlaneCorner]], Sequence[PlaneCorner]] = tuple,
 ) -> CornerChoice:
     """At most so many functions, fewer at each corner if there are many; corners with the least exponents come first.
 
@@ -68,8 +69,10 @@ def chosen_corners(
     loaded : says of corners whether there is a load.
     axis : the coordinate along the axis of a body of revolution: corners on it have the exponents of cones, and none.
     degree : of the splines beside them.
+    marked : says of which edges conditions are natural beside corners, and may add flat ones, where these change.
     """
-    every, refused = surveyed_corners(shape)
+    surveyed, refused = surveyed_corners(shape)
+    every = marked(surveyed)
     size = max((abs(value) for corner in every for value in corner.point), default=1.0)
     conical = [axis >= 0 and abs(corner.point[1 - axis]) <= ON_AXIS * size for corner in every]
     sharp = [corner for corner, cone in zip(every, conical, strict=True) if not (cone or corner.is_cusp)]

@@ -209,7 +209,7 @@ def corner_functions(
                 remedy="move one of them, or leave the cusp out",
             )
         chosen = terms_at(corner, natural, terms=terms, levels=levels, highest=highest, steepest=steepest, load=loaded)
-        free = tuple(leaf in natural for leaf in corner.leaves)
+        free = corner.free(natural)
         if chosen:
             jets = leaf_jets(shape, corner.leaves, letters, corner.lines)
             parts.append(LocalFunctions(corner, chosen, _radius(corner, jets), power, free == (True, False), jets))
@@ -236,7 +236,7 @@ def terms_at(
     >>> terms_at(corner, {1}, load=False)
     ()
     """
-    free = tuple(leaf in natural for leaf in corner.leaves)
+    free = corner.free(natural)
     kind, shift = "cos" if all(free) else "sin", 0.5 if free[0] != free[1] else 0.0
     rates = [(k - shift) * math.pi / corner.angle for k in range(1, terms + 1)]
     rates = [rate for rate in rates if rate <= steepest]
@@ -263,5 +263,7 @@ def _radius(corner: PlaneCorner, jets: LeafJets) -> float:
 def _coordinates(corner: PlaneCorner, leaves: Floats) -> tuple[Floats, Floats, Floats]:
     """Leaf coordinates u, v and w of anything linear in the two leaves (2, ...)."""
     first, second = (math.hypot(*slope) for slope in corner.gradients)
+    if corner.is_flat:
+        return leaves[1], leaves[0] / first, leaves[0] / first
     v, w = leaves[0] / first, leaves[1] / second
     return (w + v * math.cos(corner.angle)) / math.sin(corner.angle), v, w

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.corners.common_zeros import CommonZero, common_zeros
 from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
-from rsym.problems.corners.leaf_jets import Line, leaf_jets
+from rsym.problems.corners.leaf_jets import StraightEdge, leaf_jets
 from rsym.problems.corners.reaches import Tips, reaches
 from rsym.problems.corners.sectors import Sector, sectors
 from rsym.sampling.extent import extent
@@ -50,6 +50,8 @@ class PlaneCorner:
         Within this distance no other part of the boundary lies, and leaf coordinates are one to one; 0 of a cusp.
     alone : bool
         Whether no other leaf passes through the point; else only what lies between the edges is of this corner.
+    natural : pair of bool, optional
+        Whether nothing is prescribed on the first and the second edge; by default as on all of their leaves.
     straight : pair of bool
         Which edges are straight though their leaves are not linear, such as that of a strip; there the distance from
         the line stands for the leaf.
@@ -69,6 +71,7 @@ class PlaneCorner:
     reach: float
     alone: bool = True
     straight: tuple[bool, bool] = (False, False)
+    natural: tuple[bool, bool] | None = None
 
     @property
     def is_reentrant(self) -> bool:
@@ -81,10 +84,22 @@ class PlaneCorner:
         return self.angle in (0.0, 2 * math.pi)
 
     @property
-    def lines(self) -> tuple[Line | None, Line | None]:
-        """What stands for the leaves of straight edges."""
+    def is_flat(self) -> bool:
+        """Whether it is a point of a smooth edge, where conditions change."""
+        return self.angle == math.pi
+
+    def free(self, natural: Collection[int]) -> tuple[bool, bool]:
+        """Whether nothing is prescribed on each edge, where nothing is on these leaves."""
+        return (self.leaves[0] in natural, self.leaves[1] in natural) if self.natural is None else self.natural
+
+    @property
+    def lines(self) -> tuple[StraightEdge | None, StraightEdge | None]:
+        """What stands for the leaves of straight edges; that along a flat one stands for the second."""
+        if self.is_flat:
+            straight = StraightEdge(self.point, self.gradients[0]) if self.straight[0] else None
+            return straight, StraightEdge(self.point, (float(self.edges[0, 0]), float(self.edges[0, 1])))
         first, second = (
-            Line(self.point, slope) if straight else None
+            StraightEdge(self.point, slope) if straight else None
             for slope, straight in zip(self.gradients, self.straight, strict=True)
         )
         return first, second
@@ -173,28 +188,55 @@ def surveyed_corners(
             refused.append(error)
             continue
         alone = len(own) == 1 and {leaves.lines[k] for k in zeros} == {leaves.lines[k] for k in own[0][:2]}
-        corners_here = [_corner(leaves, named, meeting, sector, size, alone=alone) for sector in own]
+        corners_here = [_corner(leaves, named, meeting, sector, alone=alone) for sector in own]
         found += [corner for corner in corners_here if corner is not None]
         met += [zeros for corner in corners_here if corner is not None]
     return _with_reaches(leaves, found, met, size), tuple(refused)
 
 
+def flat_corners(shape: Shape, places: Sequence[tuple[Floats, int, tuple[bool, bool]]]) -> tuple[PlaneCorner, ...]:
+    """The points on leaves, by their numbers, where conditions change to and from natural ones along the edge.
+
+    Both edges are one: from the point the first goes so that inside is to the left.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> (found,) = flat_corners(rsym.disc(1), [(np.array([0.0, -1.0]), 0, (True, False))])
+    >>> found.edges.round(12).tolist(), 0 < found.reach <= 2
+    ([[1.0, 0.0], [-1.0, 0.0]], True)
+    """
+    leaves, named, box = leaf_boxes(shape), shape_leaf_names(shape), _box(shape, None, None)
+    size = float(np.hypot(*box.sides[:, 0]))
+    found = []
+    for point, leaf, natural in places:
+        slope = leaves.at(point[:, None])[leaf, 1:, 0]
+        p, place = (float(slope[0]), float(slope[1])), (float(point[0]), float(point[1]))
+        both = named[leaf], named[leaf]
+        found.append(PlaneCorner(place, math.pi, (leaf, leaf), both, (p, p), 0.0, natural=natural))
+    return _with_reaches(leaves, found, [np.array([corner.leaves[0]]) for corner in found], size)
+
+
 def _with_reaches(
     leaves: LeafBoxes, found: Sequence[PlaneCorner], met: Sequence[Ints], size: float
 ) -> tuple[PlaneCorner, ...]:
-    """The corners with their reaches; `met` are the leaves that vanish at each."""
+    """The corners with their reaches, straight edges known; `met` are the leaves that vanish at each."""
     known = [k for k, corner in enumerate(found) if not corner.is_cusp]
-    own = [found[k] for k in known]
+    if not known:
+        return tuple(found)
+    straight = _straight(leaves, [found[k] for k in known], size)
+    own = [replace(found[k], straight=(bool(p), bool(q))) for k, (p, q) in zip(known, straight, strict=True)]
     tips = Tips(
         np.array([corner.point for corner in own]).reshape(-1, 2),
         np.array([corner.leaves for corner in own], np.int64).reshape(-1, 2),
-        np.array([corner.gradients for corner in own]).reshape(-1, 2, 2),
+        np.array([(one.gradients[0], one.edges[0]) if one.is_flat else one.gradients for one in own]).reshape(-1, 2, 2),
         np.array([corner.angle for corner in own]),
-        np.array([corner.straight for corner in own], np.bool_).reshape(-1, 2),
+        straight,
         [met[k] for k in known],
     )
-    far = dict(zip(known, reaches(leaves, tips, size).tolist(), strict=True))
-    return tuple(replace(corner, reach=far.get(k, 0.0)) for k, corner in enumerate(found))
+    far = reaches(leaves, tips, size).tolist()
+    made = {k: replace(corner, reach=reach) for k, corner, reach in zip(known, own, far, strict=True)}
+    return tuple(made.get(k, corner) for k, corner in enumerate(found))
 
 
 def _box(shape: Shape, letters: Mapping[Any, float] | None, bounds: Any) -> Boxes:
@@ -232,7 +274,7 @@ def _at(
 
 
 def _corner(
-    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, size: float, *, alone: bool
+    leaves: LeafBoxes, named: tuple[str, ...], meeting: CommonZero, sector: Sector, *, alone: bool
 ) -> PlaneCorner | None:
     """The corner that a sector is, of unknown reach; None if its edges go on as each other."""
     both = sector.first, sector.second
@@ -242,25 +284,31 @@ def _corner(
     angle = sector.opening if sector.opening in (0.0, 2 * math.pi) else _angle(slopes)
     (px, py), (qx, qy) = slopes.tolist()
     place = float(meeting.point[0]), float(meeting.point[1])
-    first, second = (
-        _is_straight(leaves, leaf, meeting.point, slope, size) for leaf, slope in zip(both, slopes, strict=True)
-    )
     parts, gradients = (named[both[0]], named[both[1]]), ((px, py), (qx, qy))
-    return PlaneCorner(place, angle, both, parts, gradients, 0.0, alone, (first, second))
+    return PlaneCorner(place, angle, both, parts, gradients, 0.0, alone)
 
 
-def _is_straight(leaves: LeafBoxes, leaf: int, point: Floats, slope: Floats, size: float) -> bool:
-    """Whether a leaf that is not linear is 0 all along its tangent: one without kinks that is at many places is."""
-    if leaves.kinked[leaf]:
-        return False
-    length = float(np.hypot(*slope))
-    along = np.array([-slope[1], slope[0]]) / length
-    on = point[:, None] + along[:, None] * (size * ALONG)
-    beside = on + slope[:, None] / length * (size * ALONG[::-1])
+def _straight(leaves: LeafBoxes, own: Sequence[PlaneCorner], size: float) -> Flags:
+    """Which edges (n, 2) are straight of leaves that are not linear: 0 at many places of their tangents, without kinks.
+
+    Of a flat corner the second is what goes along it.
+    """
+    points = np.repeat([corner.point for corner in own], 2, axis=0).T
+    slopes = np.array([corner.gradients for corner in own]).reshape(-1, 2).T
+    numbers = np.array([corner.leaves for corner in own]).ravel()
+    lengths = np.hypot(*slopes)
+    p, q = slopes / lengths
+    on = points[:, :, None] + size * ALONG * np.stack([-q, p])[:, :, None]
+    beside = on + size * ALONG[::-1] * np.stack([p, q])[:, :, None]
     with np.errstate(all="ignore"):
-        values, gradients = leaves.at(on)[leaf, 0], leaves.at(beside)[leaf, 1:]
-        curved = not np.abs(gradients - slope[:, None]).max() <= ON_LINE * length
-        return bool(curved and np.abs(values).max() <= ON_LINE * length * size)
+        found = leaves.at(np.concatenate([on, beside], axis=2).reshape(2, -1))
+        found = found.reshape(leaves.count, 3, len(numbers), -1)[numbers, :, np.arange(len(numbers))]
+        values, gradients = found[:, 0, : len(ALONG)], found[:, 1:, len(ALONG) :]
+        zero = np.abs(values).max(axis=1) <= ON_LINE * size * lengths
+        linear = np.abs(gradients - slopes.T[:, :, None]).max(axis=(1, 2)) <= ON_LINE * lengths
+    straight: Flags = (zero & ~linear & ~np.array(leaves.kinked)[numbers]).reshape(-1, 2)
+    straight[:, 1] |= [corner.is_flat for corner in own]
+    return straight
 
 
 def _angle(slopes: Floats) -> float:

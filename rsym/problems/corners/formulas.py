@@ -10,7 +10,7 @@ import sympy as sp
 from rsym.logic.sign_form import shape_form
 from rsym.model.shape import Shape
 from rsym.problems.corners.corner_functions import CornerFunctions, LocalFunctions, Term
-from rsym.problems.corners.leaf_jets import Line
+from rsym.problems.corners.leaf_jets import StraightEdge
 from rsym.program.raising import raised
 
 LARGEST = 24  # denominator of a part of pi that an angle is taken for
@@ -50,7 +50,7 @@ def formulas(shape: Shape, functions: CornerFunctions) -> tuple[sp.Expr, ...]:
 def _of_corner(part: LocalFunctions, first: sp.Expr, second: sp.Expr, away: sp.Expr) -> list[sp.Expr]:
     corner, alpha = part.corner, _angle(part.corner.angle)
     v, w = (leaf / _number(math.hypot(*slope)) for leaf, slope in zip((first, second), corner.gradients, strict=True))
-    u = (w + v * sp.cos(alpha)) / sp.sin(alpha)
+    u = second if corner.is_flat else (w + v * sp.cos(alpha)) / sp.sin(alpha)
     squared = u**2 + v**2
     half = alpha / 2
     theta = half + sp.atan2(v * sp.cos(half) - u * sp.sin(half), u * sp.cos(half) + v * sp.sin(half))
@@ -67,7 +67,7 @@ def _of_corner(part: LocalFunctions, first: sp.Expr, second: sp.Expr, away: sp.E
     return found
 
 
-def _tangent(line: Line, u: sp.Expr, v: sp.Expr) -> sp.Expr:
+def _tangent(line: StraightEdge, u: sp.Expr, v: sp.Expr) -> sp.Expr:
     (a, b), (p, q) = line
     return _number(p) * (u - _number(a)) + _number(q) * (v - _number(b))
 

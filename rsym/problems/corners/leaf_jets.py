@@ -18,7 +18,7 @@ from rsym.program.differentiation import derivative
 FEW = 12  # leaves that are compiled; a tape takes twice as long at each point
 
 
-class Line(NamedTuple):
+class StraightEdge(NamedTuple):
     """A linear function in place of a leaf: 0 at a point, and its slope."""
 
     point: tuple[float, float]
@@ -41,7 +41,7 @@ class LeafJets:
     kernel: Kernel
     rows: tuple[int, ...]
     letters: Mapping[str, float]
-    lines: tuple[Line | None, ...] = ()
+    lines: tuple[StraightEdge | None, ...] = ()
 
     def at(self, places: Floats) -> Floats:
         """Value, both first and the three second derivatives xx, xy, yy at points (n, 2): (leaves, 6, n)."""
@@ -63,7 +63,7 @@ def leaf_jets(
     shape: Shape,
     leaves: Sequence[int],
     letters: Mapping[Any, float] | None = None,
-    lines: Sequence[Line | None] = (),
+    lines: Sequence[StraightEdge | None] = (),
 ) -> LeafJets:
     """Some leaves of ``shape_form(shape)``, or what stands for them; other letters need no compilation."""
     own = sorted(set(leaves))

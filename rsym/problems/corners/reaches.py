@@ -129,7 +129,9 @@ def _unknown(leaves: LeafBoxes, tips: Tips, pool: _Pool, others: tuple[Flags, Fl
     slopes, straight, tangents = own[:, :, 1:].transpose(1, 0, 2, 3), tips.straight[owner], tips.gradients[owner]
     # Of a leaf that is 0 on a line, and grows across it wherever it may be 0, there is no other zero.
     grows = (tangents[..., None] * slopes).min(axis=-1).sum(axis=-1) > 0
-    again = (straight & ~grows & ~(own[:, :, 0, 0] > 0).T & ~(own[:, :, 0, 1] < 0).T).any(axis=1)
+    # What stands for the second leaf of a flat corner goes along the edge.
+    checked = straight & (np.array([True, False]) | (tips.leaves[owner, :1] != tips.leaves[owner, 1:]))
+    again: Flags = (checked & ~grows & ~(own[:, :, 0, 0] > 0).T & ~(own[:, :, 0, 1] < 0).T).any(axis=1)
     slopes = np.where(straight[:, :, None, None], tangents[..., None], slopes)
     return (matter & beyond[:, owner]).any(axis=0) | met | again | _folds(inverse, slopes)
 

@@ -91,7 +91,7 @@ def corner_terms(
         if r >= radius:
             continue
         angle = turned(math.atan2(v[0, n], u[0, n]), cut)
-        rest = turned(math.atan2(w[0, n], (v[0, n] + w[0, n] * ca) / sa), cut)
+        rest = turned(math.atan2(w[0, n], u[0, n] * ca + v[0, n] * sa), cut)
         if not alone and (angle <= -EDGE or rest <= -EDGE):
             continue
         r = max(r, TINY)

@@ -1,0 +1,113 @@
+"""Conditions that change on a smooth edge: Motz's problem, an arc, two places on one edge, and what is refused."""
+
+import math
+import pickle
+
+import numpy as np
+import pytest
+import sympy as sp
+from numpy.polynomial import legendre
+
+import rsym
+from rsym import x, y
+
+MOTZ = 401.162453745234416  # Georgiou, Olson and Smyrlis (1996), Comm. Numer. Methods Eng. 12
+
+
+def side(normal, distance, name):
+    return rsym.half_plane(normal, distance).named(name)
+
+
+BOX = side((1, 0), -1, "left") & side((-1, 0), -1, "right") & side((0, 1), 0, "low") & side((0, -1), -1, "top")
+LEFT = rsym.half_plane((-1, 0), 0)
+
+
+def expansion(count=30, points=60):
+    """The coefficients of r**(k - 1/2) cos((k - 1/2) theta) in Motz's problem, fitted to the other three sides."""
+    t, w = legendre.leggauss(points)
+    rates = np.arange(count) + 0.5
+
+    def slopes(z):
+        """Both derivatives of the functions, of a size for largest radii."""
+        powers = rates * z[:, None] ** (rates - 1) / 1.2**rates
+        return powers.real, -powers.imag
+
+    values = ((1 + 1j * (t + 1) / 2)[:, None] ** rates / 1.2**rates).real
+    rows = np.vstack([values, slopes(-1 + 1j * (t + 1) / 2)[0], slopes(t + 1j)[1]])
+    scale = np.sqrt(np.tile(w, 3))
+    right = np.repeat([500.0, 0.0, 0.0], points)
+    return np.linalg.lstsq(rows * scale[:, None], right * scale, rcond=1e-15)[0] / 1.2**rates
+
+
+def motz(**more):
+    conditions = {"right": 500, "low": rsym.switched(LEFT, 0, rsym.neumann())}
+    return rsym.solve(BOX, "-laplacian(u) = 0", conditions, **more)
+
+
+def test_the_problem_of_motz():
+    coefficients = expansion()
+    assert abs(coefficients[0] / MOTZ - 1) < 1e-11
+    found = motz(cells=32, degree=5)
+    z = np.array([0.3 + 0.4j, -0.5 + 0.5j, 0.9 + 0.1j, 0.01 + 0.01j, 0.5])
+    exact = (z[:, None] ** (np.arange(30) + 0.5)).real @ coefficients
+    assert np.abs(found(z.real, z.imag) - exact).max() < 5e-4  # of 500
+    tip = 1e-10
+    assert abs(found(tip, 0) / math.sqrt(tip) / MOTZ - 1) < 1e-5
+    assert abs(found(-np.array([0.1, 0.5, 0.9]), 0)).max() < 1e-12
+    assert abs(found.flux()) < 0.1 < abs(motz(cells=16, corners=False).flux())  # nothing comes out in all
+    assert found.minimum().value == pytest.approx(0, abs=1e-9)
+    assert found.maximum().value == pytest.approx(500, rel=1e-9)
+    again = pickle.loads(pickle.dumps(found))
+    assert again(0.3, 0.4) == found(0.3, 0.4)
+
+
+def test_conditions_that_change_on_an_arc():
+    """The real part of the root of i*(1 - z)/(1 + z), which is real above on the circle and imaginary below."""
+    size = (1 + x) ** 2 + y**2
+    real, imaginary = 2 * y / size, (1 - x**2 - y**2) / size
+    exact = sp.root(real**2 + imaginary**2, 4) * sp.cos(sp.atan2(imaginary, real) / 2)
+    shape = rsym.disc(1).named("rim") & side((1, 0), -0.5, "cut")
+    conditions = {"rim": rsym.switched(-y, 0, rsym.neumann()), "cut": rsym.neumann(-sp.diff(exact, x))}
+    found = rsym.solve(shape, "-laplacian(u) = 0", conditions, cells=24, degree=5)
+    (corner,) = (one for one in found.problem.corners.corners if one.is_flat)
+    assert corner.point == pytest.approx((1, 0), abs=1e-12)
+    assert corner.natural == (True, False)
+    u, v = np.array([0.5, -0.4, 0.5, 0.9]), np.array([0.3, 0.2, -0.5, 0.1])
+    assert np.abs(found(u, v) - sp.lambdify((x, y), exact)(u, v)).max() < 1e-4
+    angles = -np.array([0.1, 0.5, 1.5])
+    assert np.abs(found.jets(np.stack([np.cos(angles), np.sin(angles)], axis=1), 0)).max() < 1e-13
+
+
+def test_two_places_on_one_edge_with_letters():
+    """u = 0 between both, which letters move; the solution is even."""
+    a = sp.Symbol("a", real=True)
+    shape = BOX.replace(letters={a: sp.Rational(1, 2)})
+    held = {"low": rsym.switched(a**2 - x**2, 0, rsym.neumann()), "top": rsym.neumann(1)}
+    found = rsym.solve(shape, "-laplacian(u) = 0", held, cells=32)
+    for one, place in ((found, 0.5), (found.with_letters({"a": 0.25}), 0.25)):
+        flat = [corner for corner in one.problem.corners.corners if corner.is_flat]
+        assert [corner.point for corner in flat] == [pytest.approx((sign * place, 0), abs=1e-12) for sign in (-1, 1)]
+        assert all(corner.reach <= 2 * place for corner in flat)
+        assert one(0.3, 0.6) == pytest.approx(one(-0.3, 0.6), rel=1e-5)
+        assert abs(one(0.9 * place, 0)) < 1e-12 < 1e-2 < one(1.1 * place, 0)
+        assert one.flux("low") == pytest.approx(-2, rel=3e-2)
+    assert rsym.modes(shape, 1, held | {"top": rsym.neumann()}, cells=12).values[0] > 0.1
+
+
+@pytest.mark.parametrize(
+    ("ask", "message"),
+    [
+        (lambda: rsym.switched(LEFT, 0, rsym.constant()), "values and fluxes"),
+        (lambda: rsym.solve(BOX, "bilaplacian(u) = 1", {"low": rsym.switched(LEFT, 0, 1)}), "order 2"),
+        (lambda: rsym.solve(BOX, "-laplacian(u) = 1", rsym.switched(sp.Symbol("q"), 0, 1)), "neither coordinate"),
+        (lambda: rsym.solution_structure(BOX, {"low": rsym.switched(LEFT, 0, rsym.neumann())}), "no formula"),
+        (lambda: rsym.interpolate(BOX, {"low": rsym.switched(LEFT, 0, 1)}), "condition"),
+        (
+            lambda: rsym.solve(BOX, "-laplacian(u) = 1", {"right": 1, "low": rsym.switched(x, 0, rsym.neumann())}),
+            "meet at",
+        ),
+    ],
+)
+def test_what_cannot_be_is_refused(ask, message):
+    with pytest.raises(rsym.RsymError, match=message):
+        ask()
