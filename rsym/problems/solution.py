@@ -140,6 +140,9 @@ class SolutionReport(Report):
 class Solution:
     """A field on a shape: ``solution(x, y)`` gives its values, NaN outside.
 
+    It pickles. A coefficient that is a Python function no pickle holds, a lambda say, stays behind: values and
+    derivatives are there, and who asks what needs the function, a flux or other letters, is told.
+
     Attributes
     ----------
     problem : Problem

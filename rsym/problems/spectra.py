@@ -17,6 +17,7 @@ from rsym.language.stating import WrittenEquation
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
+from rsym.problems.left_behind import portable
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
@@ -62,6 +63,10 @@ class Spectrum:
         return (
             f"<Spectrum of {plural(len(self.values), 'eigenvalue')} from {self.values[0]:.6g} to {self.values[-1]:.6g}>"
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A mass that is a function which no pickle holds stays behind."""
+        return self.__dict__ | {"mass": portable(self.mass, "the mass")}
 
     def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
