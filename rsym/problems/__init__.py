@@ -14,7 +14,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
   solution is made of; `posing`: its conditions as the letters of its shape have them
 - `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small;
   `printed`: a solution as an expression; `extremes`: its least value; `left_behind`: what no pickle of it holds;
-  `solution`: what comes out
+  `solution`, `solution_report`: what comes out, and how it was found
 - `solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane; `stated`: what a
   model file asks
 """

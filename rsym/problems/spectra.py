@@ -21,7 +21,8 @@ from rsym.problems.left_behind import portable
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
 from rsym.problems.refinement import Grade, refined
-from rsym.problems.solution import MORE_POINTS, Solution, reported, rule_for, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, rule_for, with_rule
+from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
 from rsym.problems.systems.linear import Solved, eigenpairs, rank

@@ -182,3 +182,9 @@ def test_a_gallery_shows_solutions_beside_shapes():
     assert shape.levels[0] < 0
     with pytest.raises(rsym.RsymError, match="expected a Shape, got Solution"):
         rsym.cards({"u": ROUND})
+
+
+@pytest.mark.parametrize("ask", [rsym.compile, rsym.to_jax, rsym.render, rsym.extent, lambda u: rsym.sample(u, 9)])
+def test_what_makes_no_sense_of_a_solution_says_what_does(ask):
+    with pytest.raises(rsym.RsymError, match=r"expected a Shape, got Solution.*its \.shape is one"):
+        ask(ROUND)
