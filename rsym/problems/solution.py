@@ -272,6 +272,12 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
+        if any(self.problem.flows):
+            raise RsymError(
+                "this is the function of a twisted shaft, with what its holes of these letters need",
+                code="letters",
+                remedy="ask torsion.with_letters({...}).solution",
+            )
         problem = posed_again(self.problem, values)
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
