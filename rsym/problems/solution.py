@@ -58,6 +58,7 @@ class Attained(NamedTuple):
 class Solution:
     """A field on a shape: ``solution(x, y)`` gives its values, NaN outside.
 
+    `plot_field`, `plot_fields`, `plot_sweep`, `plot_gallery`, `level_lines`, `explore` and `write` take it as it is.
     It pickles. A coefficient that is a Python function no pickle holds, a lambda say, stays behind: values and
     derivatives are there, and who asks what needs the function, a flux or other letters, is told.
 
