@@ -69,7 +69,7 @@ def add_model_name(group: argparse._ActionsContainer) -> None:
 def _completed(prefix: str, **_: Any) -> list[str]:
     """The shipped models and the model files that begin so; loads nothing heavy, for a shell waits."""
     folder = Path(__file__).parent.parent / "paper"
-    names = [path.stem for path in (*folder.glob("*.rf"), *folder.glob("gallery/*.rf"))]
+    names = [path.stem for path in (*folder.glob("*.rf"), *folder.glob("*/*.rf"))]
     here = [path for path in glob(f"{prefix}*") if path.endswith((".rf", ".vm")) or Path(path).is_dir()]
     return sorted(name for name in names if name.startswith(prefix)) + here
 

@@ -18,6 +18,7 @@ from rsym.language.vm import LONGEST_TEXT as LONGEST_LINES
 from rsym.language.vm import chosen_shape, declared, is_vm
 from rsym.model.shape import Shape
 
+ROOMS = ("", "gallery", "problems")  # of the models that come with rsym
 _LONGEST_FILE = 4 * LONGEST_TEXT + len(codecs.BOM_UTF8)  # bytes; UTF-8 needs at most four for a character
 _LONGEST_LINES = LONGEST_LINES + len(codecs.BOM_UTF8)  # of a .vm file, which needs no other characters than ASCII's
 
@@ -166,7 +167,7 @@ def shipped(name: str) -> Path | None:
     if not name.isidentifier():
         return None
     models = Path(str(files("rsym"))) / "paper"
-    return next((path for path in (models / f"{name}.rf", models / "gallery" / f"{name}.rf") if path.is_file()), None)
+    return next((path for path in (models / room / f"{name}.rf" for room in ROOMS) if path.is_file()), None)
 
 
 def _read(path: str | PathLike[str]) -> bytes:

@@ -36,6 +36,8 @@ def require_shape(shape: Any) -> None:
     """
     if not isinstance(shape, Equation):
         remedy = "rsym.load(name) gives the shape of a name" if isinstance(shape, str) else _REMEDIES["Shape"]
+        if isinstance(getattr(shape, "shape", None), Equation):
+            remedy = "its .shape is one; a field on a shape is called with coordinates"
         raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape", remedy=remedy)
 
 

@@ -5,11 +5,11 @@ takes `ax=` or a figure and returns its artist.
 
 files.py, formats.py, units.py                     meshes to files: a row per format, lengths
 interactive.py, viewing.py                         the page that turns; the browser
-exchange.py, dxf.py, models.py, points.py          other packages' meshes; curves; model files, letters; measured points
-field_data.py                                      solutions at the points of cells that fill their shapes
+exchange.py, field_data.py                         other packages' meshes; solutions on cells that fill their shapes
+dxf.py, models.py, points.py                       curves; model files, letters; measured points
 looks.py, panels.py, fields.py, sign_pictures.py   level lines: looks, one panel, what users call, several; signs
 boundaries.py, modes.py, torsion.py                solutions: named boundaries, sheets of modes, stress lines
-deformations.py                                    elastic bodies as they are bent, with their stress
+deformations.py, fits.py                           bent bodies with their stress; letters and data: residuals, speeds
 shading.py, rasteriser.py, ink.py                  bodies: light and normals, triangles to pixels, lines
 paints.py, parts.py                                what a surface is painted with: a row per map; parts
 axes3d.py, bodies.py, surfaces.py, gallery.py      three-dimensional axes, bodies on them, a mesh, many of them
@@ -21,9 +21,7 @@ sections.py, sweep.py, systems.py                  stacks of sections, one lette
 certificates.py, combs.py, singular.py             the parts of verdicts: proofs and defects, teeth, edges
 verdicts.py, body_verdicts.py                      verdicts as figures, in the plane and in space
 atlas.py, repairs.py, fairness.py, designs.py      an atlas, a repair, fairness, designs
-fits.py                                            letters and data: residuals, the speed of a boundary
 cards.py, equations.py, pictures.py                small pictures with formulas, LaTeX, figures to files
 design/                                            a page of a shape with live letters, served or in a file
-views.py, explorer.py, explore.py                  exploring in a notebook; needs ipywidgets
-solution_explorer.py                               the same of solutions
+explore.py, views.py, explorer.py, solution_explorer.py  exploring in a notebook; needs ipywidgets
 """

@@ -108,6 +108,11 @@ def to_meshio(mesh: Mesh | Field, *, resolution: Resolution = None) -> Any:
         For what is neither, where the package meshio is missing, and for a shape that has nothing inside on so few
         cells.
 
+    Warns
+    -----
+    RsymWarning
+        Where cells have another area or volume than the shape, of which something is smaller than they are.
+
     Examples
     --------
     >>> import rsym

@@ -59,7 +59,7 @@ def plot_field(
 
     Parameters
     ----------
-    shape : Shape or Solution
+    shape : Shape, Solution or Torsion
         A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found on one: then the outside
         is white, and named parts of the boundary have colours and a legend where there are several.
     field : str

@@ -100,7 +100,9 @@ class SolutionExplorer(LetterSliders):
             colour_bar(artist, artist.axes)
         ax = figure.axes[0]
         (left, right), (low, high) = ax.get_xlim(), ax.get_ylim()
-        rows, columns = ax.get_subplotspec().get_gridspec().get_geometry()
+        spec = ax.get_subplotspec()
+        assert spec is not None
+        rows, columns = spec.get_gridspec().get_geometry()
         wide = WIDTH / columns
         figure.set_size_inches(WIDTH, rows * min(wide * (high - low) / (right - left) + ROOM, TALLEST * wide))
         return figure

@@ -75,7 +75,7 @@ def plot_sweep(
 
     Parameters
     ----------
-    shape : Shape or Solution
+    shape : Shape, Solution or Torsion
         What to draw; `revolve` a plane shape first to see bodies. A solution in space needs a section.
     letter : str or symbol
         The letter that changes.

@@ -25,7 +25,9 @@ GALLERY = (
     "spring",
     "vase",
 )
-MODELS: tuple[str, ...] = ("car", "skeleton", "valve", "streamlined", *GALLERY)
+# Those that state a problem too, in the folder `problems`.
+PROBLEMS = ("plate", "shaft")
+MODELS: tuple[str, ...] = ("car", "skeleton", "valve", "streamlined", *GALLERY, *PROBLEMS)
 # The stages that a reading changes, and what they are called in the file.
 CAR_READINGS: Mapping[str, Mapping[str, str]] = {
     "standard": {},

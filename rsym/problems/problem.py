@@ -31,6 +31,7 @@ from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.equations import EllipticEquation
+from rsym.problems.left_behind import portable
 from rsym.problems.lifts import lift_of, lift_on
 from rsym.problems.parts import Parts, formula
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
@@ -100,8 +101,18 @@ class Problem:
     cuts: tuple[EdgeCut, ...] = ()
 
     def __getstate__(self) -> dict[str, Any]:
-        """What was compiled on the way is made again."""
-        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        """What was compiled on the way is made again; functions that no pickle holds stay behind."""
+        state = {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        functions = portable(self.equation.functions, "")
+        return state | {
+            "equation": replace(self.equation, functions=functions),
+            "named": portable(self.named, "the condition"),
+            "conditions": portable(self.conditions, "the condition"),
+        }
+
+    def __deepcopy__(self, memo: Any) -> Problem:
+        """Itself: nothing of it changes."""
+        return self
 
     @property
     def dimension(self) -> int:

@@ -17,10 +17,12 @@ from rsym.language.stating import WrittenEquation
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
+from rsym.problems.left_behind import portable
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
 from rsym.problems.refinement import Grade, last_degree, refined
-from rsym.problems.solution import MORE_POINTS, Solution, reported, rule_for, with_rule
+from rsym.problems.solution import MORE_POINTS, Solution, rule_for, with_rule
+from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
 from rsym.problems.systems.linear import Solved, eigenpairs, rank
@@ -62,6 +64,10 @@ class Spectrum:
         return (
             f"<Spectrum of {plural(len(self.values), 'eigenvalue')} from {self.values[0]:.6g} to {self.values[-1]:.6g}>"
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """A mass that is a function which no pickle holds stays behind."""
+        return self.__dict__ | {"mass": portable(self.mass, "the mass")}
 
     def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
         """The same for other letters, with the same cells and degree: nothing is compiled."""

@@ -59,6 +59,17 @@ class Torsion:
     def __repr__(self) -> str:
         return f"<Torsion of rigidity {self.rigidity:.10g}>"
 
+    @property
+    def shape(self) -> Shape:
+        """The section, with the letters it was twisted for as defaults."""
+        return self.solution.shape
+
+    def sampled(
+        self, *coordinates: Any, field: str = "value", letters: Mapping[Any, float] | None = None
+    ) -> dict[str, Any]:
+        """Prandtl's function, or a field of it, at points for pictures: what `Solution.sampled` says."""
+        return self.solution.sampled(*coordinates, field=field, letters=letters)
+
     def stress(self, *coordinates: ArrayLike) -> Any:
         """The shear stresses (..., 2) at points, (u_y, -u_x)."""
         slope = self.solution.gradient(*coordinates)

@@ -217,7 +217,7 @@ def level_lines(
 
     Parameters
     ----------
-    shape : Shape or Solution
+    shape : Shape, Solution or Torsion
         A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found, lines end with it.
     level : float or sequence of float
         The level, or several: the field is compiled and sampled once for all of them.

@@ -180,7 +180,7 @@ def test_models_and_files_are_completed(flat, monkeypatch, tmp_path):
     from rsym.commands.options import _completed
 
     monkeypatch.chdir(tmp_path)
-    assert _completed("s") == ["skeleton", "snowflake", "solids", "spanner", "spring", "streamlined"]
+    assert _completed("s") == ["shaft", "skeleton", "snowflake", "solids", "spanner", "spring", "streamlined"]
     assert _completed("fl") == ["flat.rf"]
     (tmp_path / "lens.vm").touch()
     assert _completed("le") == ["lens.vm"]

@@ -3,11 +3,15 @@
 import json
 import math
 import re
+import sys
 
 import matplotlib.pyplot
+import numpy as np
 import pytest
 
+import rsym
 from rsym.cli import main
+from rsym.paper.models import PROBLEMS
 
 RING = """
 letter q = 1 in [0, 9] "heat"
@@ -97,6 +101,61 @@ def test_torsion_of_a_tube(ring, tmp_path, capsys):
     assert told(out, "rigidity") == pytest.approx(math.pi / 2 * (1 - 0.5**4), rel=1e-4)
     assert told(out, "greatest stress") == pytest.approx(1, rel=1e-3)
     assert told(out, "of the area") == pytest.approx(math.pi / 4, rel=1e-3)
+
+
+def test_a_field_for_paraview(ring, tmp_path, capsys, monkeypatch):
+    meshio = pytest.importorskip("meshio")
+    path = tmp_path / "field.VTU"
+    line = ["--equation", "-laplacian(u) = 0", "--on", "rim=0", "--on", "the bore=log(2)", "--cells", "10"]
+    assert main(["solve", ring, *line, "-o", str(path)]) == 0
+    assert capsys.readouterr().out.endswith(f"{path}\n")
+    found = meshio.read(path, file_format="vtu")
+    radius = np.linalg.norm(found.points, axis=1)
+    np.testing.assert_allclose(found.point_data["u"], -np.log(radius), atol=1e-3)
+    assert main(["modes", ring, "--count", "2", "--cells", "10", "-o", str(tmp_path / "modes.vtu")]) == 0
+    assert set(meshio.read(tmp_path / "modes.vtu").point_data) == {"mode_1", "mode_2"}
+    monkeypatch.setitem(sys.modules, "meshio", None)
+    assert main(["torsion", ring, "--cells", "10", "-o", str(tmp_path / "no.vtu")]) == 1
+    assert "pip install meshio" in capsys.readouterr().err
+
+
+def test_a_field_in_space_has_no_picture_and_a_file(tmp_path, capsys):
+    (tmp_path / "ball.rf").write_text("omega = 1 - x^2 - y^2 - z^2; equation -laplacian(u) = 6; on omega = 0")
+    line = ["solve", str(tmp_path / "ball.rf"), "--cells", "4", "--degree", "2"]
+    assert main([*line, "-o", str(tmp_path / "ball.png")]) == 1
+    assert "remedy: -o field.vtu" in capsys.readouterr().err
+    assert main([*line, "--section", "z=0", "-o", str(tmp_path / "disc.png")]) == 0
+
+
+def test_the_models_that_state_a_problem(tmp_path, capsys):
+    for name in PROBLEMS:
+        problem = rsym.load_problem(name)
+        assert problem.equation is not None
+        assert set(problem.conditions) == {part for part, _ in problem.shape.parts}
+        for letter in problem.shape.letters.values():
+            assert letter.doc
+            assert letter.minimum < letter.default < letter.maximum
+    assert main(["solve", "plate", "--cells", "16", "-o", str(tmp_path / "plate.png")]) == 0
+    out = capsys.readouterr().out
+    assert told(out, "maximum") == 1
+    assert told(out, "minimum") == pytest.approx(0.1398, abs=2e-3)
+
+
+@pytest.mark.slow
+def test_it_needs_no_option(tmp_path, capsys):
+    """The shaft is Weber's: (s^2 - d^2)/2 (2 t/s^2 - 1), s from the middle of the keyway, t below it."""
+    meshio = pytest.importorskip("meshio")
+    assert main(["solve", "shaft", "-o", str(tmp_path / "shaft.vtu")]) == 0
+    integral = told(capsys.readouterr().out, "integral")
+    found = meshio.read(tmp_path / "shaft.vtu")
+    across, up, _ = found.points.T
+    square = across**2 + (1 - up) ** 2
+    exact = (square - 0.09) / 2 * (2 * (1 - up) / square - 1)
+    np.testing.assert_allclose(found.point_data["u"], exact, atol=1e-7)
+    assert main(["torsion", "shaft", "--cells", "32"]) == 0
+    out = capsys.readouterr().out
+    assert told(out, "rigidity") == pytest.approx(2 * integral, rel=1e-3)
+    assert told(out, "greatest stress") == pytest.approx(1.7, rel=1e-3)
 
 
 def test_a_measure(ring, capsys):

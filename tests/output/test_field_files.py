@@ -83,6 +83,13 @@ def test_what_is_infinite_at_a_corner_is_nan_there_alone():
     assert_close(found.points[unknown], np.zeros((unknown.sum(), 3)), atol=1e-12)
 
 
+def test_what_is_smaller_than_a_cell_is_warned_of():
+    holed = rsym.rectangle(2, 2) - rsym.disc(0.24)
+    u = rsym.solve(holed, "-laplacian(u) = 1", 0, cells=10)
+    with pytest.warns(rsym.RsymWarning, match=r"cells have \d+% .* than the shape.*resolution="):
+        rsym.to_meshio(u, resolution=4)
+
+
 def test_refusals_leave_no_file(tmp_path, monkeypatch):
     for name, options, words in (
         ("u.stl", {}, "a field is written as .vtu"),

@@ -182,3 +182,20 @@ def test_a_gallery_shows_solutions_beside_shapes():
     assert shape.levels[0] < 0
     with pytest.raises(rsym.RsymError, match="expected a Shape, got Solution"):
         rsym.cards({"u": ROUND})
+
+
+@pytest.mark.parametrize("ask", [rsym.compile, rsym.to_jax, rsym.render, rsym.extent, lambda u: rsym.sample(u, 9)])
+def test_what_makes_no_sense_of_a_solution_says_what_does(ask):
+    with pytest.raises(rsym.RsymError, match=r"expected a Shape, got Solution.*its \.shape is one"):
+        ask(ROUND)
+
+
+def test_a_shaft_is_drawn_and_swept_as_its_function_is():
+    tube = rsym.torsion(rsym.disc(1) - rsym.disc(r, letters={r: 0.5}), cells=12)
+    with pytest.raises(rsym.RsymError, match=r"torsion\.with_letters"):
+        tube.solution.with_letters({"r": 0.25})
+    figure = rsym.plot_sweep(tube, r, [0.25, 0.5], figure=matplotlib.figure.Figure(), resolution=24)
+    # (1 - s^2)/2 at the distance s from the middle, (1 - r^2)/2 on the bore.
+    assert contours(figure.axes[0]).levels[-1] == pytest.approx((1 - 0.25**2) / 2, abs=0.04)
+    (half,) = rsym.level_lines(tube, 0.32, resolution=40)
+    np.testing.assert_allclose(np.hypot(*half.T), 0.6, atol=1e-6)

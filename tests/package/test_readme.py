@@ -362,6 +362,9 @@ def test_the_lines_about_fields():
     assert_close(np.array(values), np.array([float(told[1]), float(told[2])]), atol=1e-5)
     assert str(space["drum"].values.round(4).tolist()) in code
     assert abs(space["found"].area - (18 - 3 * np.pi * 0.36)) < 1e-11
+    assert Path("heat.vtu").stat().st_size > 100_000
+    assert Path("drum.vtu").read_text().count("mode_") == 3
+    assert len(space["rsym"].level_lines(heat, [0.7, 0.8], resolution=60)) == 2
 
 
 @pytest.mark.slow
@@ -386,7 +389,8 @@ def test_the_commands_about_fields(capsys):
     (commands,) = [code for code in PLAIN if code.startswith("rsym solve")]
     for command in commands.strip().splitlines():
         assert main([*shlex.split(command)[1:], "--quiet"]) == 0
-    assert all(Path(name).stat().st_size > 20_000 for name in ("field.png", "modes.png", "stresses.png"))
+    files = ("field.png", "modes.png", "stresses.png", "shaft.vtu")
+    assert all(Path(name).stat().st_size > 20_000 for name in files)
     assert "Area 16.869" in capsys.readouterr().out
 
 

@@ -1,5 +1,6 @@
 """Boundary value problems with exact solutions: orders, conditions of every kind, numbers of a solution."""
 
+import copy
 import math
 import pickle
 
@@ -152,6 +153,28 @@ def test_it_pickles():
     again = pickle.loads(pickle.dumps(found))
     assert again(0.3, 0.1) == found(0.3, 0.1)
     assert again.integral() == found.integral()
+
+
+def test_it_pickles_without_functions_that_no_pickle_holds():
+    heated = {"k": lambda a, b: 1 + a * a, "q": np.hypot}
+    found = rsym.solve(RIM, "-div(k*grad(u)) = q", 0, cells=6, letters=heated)
+    again = pickle.loads(pickle.dumps(found))
+    assert again(0.3, 0.1) == found(0.3, 0.1)
+    assert again.maximum() == found.maximum()
+    for asked in (lambda: again.flux(), lambda: again.with_letters({})):
+        with pytest.raises(rsym.RsymError, match=r"k was a Python function that no pickle holds.*expression"):
+            asked()
+    assert again.problem.equation.functions["q"] is np.hypot
+    assert copy.deepcopy(found).flux() == found.flux()
+    flowing = rsym.solve(RING, "-laplacian(u) = 0", {"bore": 0, "rim": rsym.robin(1, lambda a, b: a)}, cells=12)
+    away = pickle.loads(pickle.dumps(flowing))
+    assert away(0.7, 0.1) == flowing(0.7, 0.1)
+    with pytest.raises(rsym.RsymError, match="the flux was a Python function"):
+        away.with_letters({})
+    drum = rsym.modes(RIM, 1, mass=lambda a, b: 1 + a * a, cells=6)
+    assert pickle.loads(pickle.dumps(drum)).values == drum.values
+    loaded = rsym.elasticity(RIM, {"rim": rsym.fixed()}, young=1, poisson=0.3, loads=(lambda a, b: b, 0), cells=6)
+    assert pickle.loads(pickle.dumps(loaded))(0.3, 0.1).tolist() == loaded(0.3, 0.1).tolist()
 
 
 def test_threads_do_not_change_bits():

@@ -20,6 +20,7 @@ from rsym.model.wording import listing
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
 from rsym.problems.equations import equation_of
+from rsym.problems.left_behind import portable
 from rsym.problems.pointwise import PointFormulas, compiled, with_derivatives
 from rsym.problems.problem import Problem, value_at
 from rsym.program.differentiation import derivative
@@ -43,8 +44,19 @@ class ElasticBody:
     plane: str
 
     def __getstate__(self) -> dict[str, Any]:
-        """What was compiled on the way is made again."""
-        return {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        """What was compiled on the way is made again; functions that no pickle holds stay behind."""
+        state = {name: self.__dict__[name] for name in self.__dataclass_fields__}
+        words = {
+            "named": "the condition",
+            "young": "Young's modulus",
+            "poisson": "Poisson's ratio",
+            "loads": "the load",
+        }
+        return state | {name: portable(state[name], word) for name, word in words.items()}
+
+    def __deepcopy__(self, memo: Any) -> ElasticBody:
+        """Itself: nothing of it changes."""
+        return self
 
     @cached_property
     def form(self) -> SignForm:
