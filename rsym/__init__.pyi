@@ -90,7 +90,8 @@ from .problems.elastic.result import ElasticSolution, PlaneTensor
 from .problems.elastic.solving import elasticity
 from .problems.elastic.supports import displacement, fixed, pressure, roller, traction
 from .problems.interpolation import interpolate
-from .problems.solution import Attained, Solution, SolutionReport
+from .problems.solution import Attained, Solution
+from .problems.solution_report import SolutionReport
 from .problems.solution_structures import solution_structure
 from .problems.solving import solve
 from .problems.spectra import Spectrum, modes

@@ -13,7 +13,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
   solution is made of; `posing`: its conditions as the letters of its shape have them
 - `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small;
-  `printed`: a solution as an expression; `extremes`: its least value; `solution`: what comes out
+  `printed`: a solution as an expression; `extremes`: its least value; `solution`: what comes, `solution_report`: how
 - `solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane; `stated`: what a
   model file asks
 """

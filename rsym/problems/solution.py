@@ -16,21 +16,18 @@ from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
-from rsym.problems.corners.choice import ON_AXIS, CornerChoice
+from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.extremes import Extremes
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
 from rsym.problems.problem import Problem, on_part, oriented
-from rsym.problems.refinement import Grade
+from rsym.problems.solution_report import SolutionReport, reported
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
 from rsym.problems.splines.web import WebSplines
-from rsym.problems.systems.linear import Solved, solve_system
-from rsym.reports.document import Document, Sentence, Tabular, numerical
-from rsym.reports.numbers import short
-from rsym.reports.render import Report
+from rsym.problems.systems.linear import solve_system
 from rsym.reports.words import plural
 from rsym.sampling.contours import level_lines
 from rsym.sampling.rules.quadrature import Quadrature
@@ -55,85 +52,6 @@ class Attained(NamedTuple):
 
     value: float
     point: tuple[float, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class SolutionReport(Report):
-    """How a solution was found.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> report = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).report
-    >>> report.unknowns, report.degree, report.steps
-    (96, 4, 0)
-    """
-
-    unknowns: int
-    degree: int
-    cells: int
-    points: int
-    steps: int
-    residual: float
-    estimate: float | None
-    grades: tuple[Grade, ...]
-    unresolved: float
-    eigenvalue: float | None = None
-    corners: int = 0
-    left: int = 0
-    refused: tuple[str, ...] = ()
-
-    def document(self) -> Document:
-        """Unknowns, rule, how the system was solved, and the estimate of the error, which is one: nothing is proved."""
-        told = [
-            f"{plural(self.unknowns, 'unknown')}: splines of degree {self.degree} on cells of which "
-            f"{self.cells} are the longest side, {plural(self.points, 'point')} of integration."
-        ]
-        way = f"conjugate gradients in {plural(self.steps, 'step')}" if self.steps else "factors"
-        told.append(f"The system was solved by {way}; its residual is {short(self.residual)} of the right side.")
-        if self.unresolved:
-            told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
-        told += self._of_corners()
-        if self.estimate is None:
-            error = "No estimate of the error was asked for: cells were given."
-        else:
-            error = (
-                f"The error, an estimate, is about {short(self.estimate)} of the largest value, "
-                "in the root of the mean square."
-            )
-        rows = tuple((str(g.cells), str(g.degree), str(g.unknowns), short(g.estimate)) for g in self.grades)
-        tables = (Tabular(("cells", "degree", "unknowns", "estimate"), rows),) if rows else ()
-        return Document(
-            "solution",
-            Sentence(error, False),
-            sentences=numerical(told),
-            tables=tables,
-            data={
-                "unknowns": self.unknowns,
-                "degree": self.degree,
-                "cells": self.cells,
-                "points": self.points,
-                "steps": self.steps,
-                "residual": self.residual,
-                "estimate": self.estimate,
-                "corners": self.corners,
-                "corners left": self.left + len(self.refused),
-            },
-        )
-
-    def of_corners(self, choice: CornerChoice | None) -> SolutionReport:
-        """The same, knowing of corners."""
-        if choice is None:
-            return self
-        return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
-
-    def _of_corners(self) -> list[str]:
-        """Which corners have functions of their own, and which do not though solutions are not smooth there."""
-        own = f"{plural(self.corners, 'corner')} of the shape: there are functions like solutions there."
-        less = f"{plural(self.left, 'corner')} without such functions: splines alone are less accurate there."
-        told = [line for line, count in ((own, self.corners), (less, self.left)) if count]
-        told += [f"No such functions where corners are not known: {reason}." for reason in self.refused]
-        return told
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -335,21 +253,6 @@ class Solution:
         problem = posed_again(self.problem, values)
         rule = rule_for(problem, self.report.cells, self.order)
         return solved(problem, rule, self.report.cells, self.report.degree)
-
-
-def reported(rule: Quadrature, cells: int, degree: int, found: Solved) -> SolutionReport:
-    """How the answers of a system were found, nothing estimated yet."""
-    return SolutionReport(
-        unknowns=len(found.values),
-        degree=degree,
-        cells=cells,
-        points=len(rule.weights),
-        steps=found.steps,
-        residual=found.residual,
-        estimate=None,
-        grades=(),
-        unresolved=rule.unresolved,
-    )
 
 
 def with_rule(solution: Solution, rule: Quadrature) -> Solution:

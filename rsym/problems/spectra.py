@@ -19,8 +19,9 @@ from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
-from rsym.problems.refinement import Grade, refined
-from rsym.problems.solution import MORE_POINTS, Solution, reported, rule_for, with_rule
+from rsym.problems.refinement import Grade, observed_order, refined
+from rsym.problems.solution import MORE_POINTS, Solution, rule_for, with_rule
+from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
 from rsym.problems.systems.linear import Solved, eigenpairs, rank
@@ -57,6 +58,11 @@ class Spectrum:
     modes: tuple[Solution, ...]
     grades: tuple[Grade, ...] = ()
     mass: Any = 1
+
+    @property
+    def observed_order(self) -> float | None:
+        """By which order in the size of cells the last two estimates fell; None where cells were given."""
+        return observed_order(self.grades)
 
     def __repr__(self) -> str:
         return (

@@ -132,11 +132,18 @@ def test_extremes_on_the_boundary_are_found_between_the_points_of_the_rule(shape
 
 
 def test_without_cells_the_tolerance_is_met():
-    found = rsym.solve(RIM, "-laplacian(u) = exp(x)", y, tolerance=1e-6)
-    assert found.report.estimate <= 1e-6
+    found = rsym.solve(RIM, "-laplacian(u) = exp(x)", y, tolerance=1e-9)
+    assert found.report.estimate <= 1e-9
     exact = rsym.solve(RIM, "-laplacian(u) = exp(x)", y, cells=32, degree=5)
     assert abs(found(0.2, 0.3) - exact(0.2, 0.3)) < 1e-6
     assert "estimate" in str(found.report)
+    assert "condition of its matrix" in str(found.report)
+    before, last = found.report.grades[-2:]
+    observed = math.log2(before.estimate / last.estimate)
+    assert found.report.observed_order == pytest.approx(observed)
+    assert f"of degree {last.degree}, is {observed:.2g}" in str(found.report)
+    assert exact.report.observed_order is None
+    assert 1e3 < exact.report.condition < 1e5
 
 
 def test_letters_compile_nothing_and_are_met(monkeypatch):

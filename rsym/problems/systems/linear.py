@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg import eigvalsh_tridiagonal
 from scipy.sparse import linalg
 
 from rsym.arrays import Floats
@@ -24,6 +25,8 @@ MOST_STEPS = 5000
 # splines have up to 1e-10, singular ones more than 1e-3.
 UNSURE = 1e-6
 MOST_SHIFTS = 30
+# Steps of Lanczos's method to the largest and the least eigenvalue of a matrix that was factored.
+LANCZOS = 8
 # Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
 MOST_RANKED, RANK = 1000, 1e-12
 SEED = 20130605
@@ -31,11 +34,15 @@ SEED = 20130605
 
 @dataclass(frozen=True)
 class Solved:
-    """Answers of a system, and how they were found: steps is 0 where the matrix was factored."""
+    """Answers of a system, and how they were found: steps is 0 where the matrix was factored.
+
+    condition : of the matrix scaled by its diagonal, an estimate from below; None where it is not definite.
+    """
 
     values: Floats
     steps: int
     residual: float
+    condition: float | None = None
 
 
 def scales(matrix: sparse.csr_matrix) -> Floats:
@@ -66,9 +73,9 @@ def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, di
     size = _norm(wanted)
     if size == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
-    steps = 0
+    steps, condition = 0, None
     if definite and len(right) > DIRECT[dimension]:
-        found, steps = _conjugate_gradients(scaled, wanted)
+        found, steps, condition = _conjugate_gradients(scaled, wanted)
     else:
         factors = factored(scaled)
         found = factors.solve(wanted)
@@ -77,10 +84,13 @@ def solve_system(matrix: sparse.csr_matrix, right: Floats, *, definite: bool, di
         if not _norm(correction) <= UNSURE * _norm(found):
             raise nearly_singular()
         found = found + correction
+        if definite:
+            largest, inverse = (_largest(product, len(right)) for product in (scaled.__matmul__, factors.solve))
+            condition = largest * inverse
     residual = _norm(wanted - scaled @ found) / size
     if not residual <= UNSURE:
         raise nearly_singular()
-    return Solved(scale * found, steps, residual)
+    return Solved(scale * found, steps, residual, condition)
 
 
 def nearly_singular() -> RsymError:
@@ -93,7 +103,7 @@ def nearly_singular() -> RsymError:
     )
 
 
-def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
+def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int, float]:
     """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads. Rows are by themselves."""
     threads = checked_threads(None)
     bounds = np.linspace(0, len(right), threads + 1).astype(int)
@@ -102,20 +112,45 @@ def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floa
         return _iterated(lambda x: np.concatenate(list(pool.map(lambda block: block @ x, blocks))), right)
 
 
-def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int]:
+def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int, float]:
+    """The solution, the steps, and the condition that they show: gradients are conjugated as in Lanczos's method."""
     found, residual = np.zeros_like(right), right.copy()
     direction, size = residual.copy(), float(np.sum(residual * residual))
     enough = SMALL**2 * size
-    for step in range(1, MOST_STEPS + 1):
+    lengths, shares = [], []
+    for _ in range(MOST_STEPS):
         image = product(direction)
         length = size / float(np.sum(direction * image))
         found += length * direction
         residual -= length * image
         size, before = float(np.sum(residual * residual)), size
+        lengths.append(length)
         if size <= enough:
-            return found, step
-        direction = residual + (size / before) * direction
-    return found, MOST_STEPS
+            break
+        shares.append(size / before)
+        direction = residual + shares[-1] * direction
+    steps = len(lengths)
+    inverse, ratios = 1 / np.array(lengths), np.array(shares[: steps - 1])
+    own = inverse + np.concatenate([[0.0], ratios * inverse[:-1]])
+    values = eigvalsh_tridiagonal(own, np.sqrt(ratios) * inverse[:-1])
+    return found, steps, float(values[-1] / values[0])
+
+
+def _largest(product: Callable[[Floats], Floats], count: int) -> float:
+    """The largest eigenvalue of a definite matrix, nearly, from below: by some steps of Lanczos's method."""
+    vector = np.random.default_rng(SEED).standard_normal(count)
+    vector, before, beside = vector / _norm(vector), np.zeros(count), 0.0
+    own, others = [], []
+    for _ in range(min(LANCZOS, count)):
+        image = product(vector) - beside * before
+        own.append(float(np.sum(image * vector)))
+        image -= own[-1] * vector
+        beside = _norm(image)
+        if not beside > 0:
+            break
+        others.append(beside)
+        before, vector = vector, image / beside
+    return float(eigvalsh_tridiagonal(np.array(own), np.array(others[: len(own) - 1]))[-1])
 
 
 def _norm(values: Floats) -> float:

@@ -1,0 +1,124 @@
+"""How a solution was found: the report that it carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from rsym.problems.corners.choice import CornerChoice
+from rsym.problems.refinement import Grade, observed_order
+from rsym.problems.systems.linear import Solved
+from rsym.reports.document import Document, Sentence, Tabular, numerical
+from rsym.reports.numbers import short
+from rsym.reports.render import Report
+from rsym.reports.words import plural
+from rsym.sampling.rules.quadrature import Quadrature
+
+
+@dataclass(frozen=True, eq=False)
+class SolutionReport(Report):
+    """How a solution was found.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> report = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).report
+    >>> report.unknowns, report.degree, report.steps, report.observed_order
+    (132, 4, 0, None)
+    >>> 500 < report.condition < 5000
+    True
+    """
+
+    unknowns: int
+    degree: int
+    cells: int
+    points: int
+    steps: int
+    residual: float
+    estimate: float | None
+    grades: tuple[Grade, ...]
+    unresolved: float
+    eigenvalue: float | None = None
+    corners: int = 0
+    left: int = 0
+    refused: tuple[str, ...] = ()
+    condition: float | None = None
+
+    @property
+    def observed_order(self) -> float | None:
+        """By which order in the size of cells the last two estimates fell; None where cells were given."""
+        return observed_order(self.grades)
+
+    def document(self) -> Document:
+        """Unknowns, rule, system, its condition, the order and the error, which are estimates: nothing is proved."""
+        told = [
+            f"{plural(self.unknowns, 'unknown')}: splines of degree {self.degree} on cells of which "
+            f"{self.cells} are the longest side, {plural(self.points, 'point')} of integration."
+        ]
+        way = f"conjugate gradients in {plural(self.steps, 'step')}" if self.steps else "factors"
+        told.append(f"The system was solved by {way}; its residual is {short(self.residual)} of the right side.")
+        if self.condition is not None:
+            told.append(f"The condition of its matrix, scaled by the diagonal, is estimated at {self.condition:.2g}.")
+        if self.observed_order is not None:
+            last = " to ".join(f"{grade.cells} cells of degree {grade.degree}" for grade in self.grades[-2:])
+            told.append(f"The order observed, from {last}, is {self.observed_order:.2g}.")
+        if self.unresolved:
+            told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
+        told += self._of_corners()
+        if self.estimate is None:
+            error = "No estimate of the error was asked for: cells were given."
+        else:
+            error = (
+                f"The error, an estimate, is about {short(self.estimate)} of the largest value, "
+                "in the root of the mean square."
+            )
+        rows = tuple((str(g.cells), str(g.degree), str(g.unknowns), short(g.estimate)) for g in self.grades)
+        tables = (Tabular(("cells", "degree", "unknowns", "estimate"), rows),) if rows else ()
+        return Document(
+            "solution",
+            Sentence(error, False),
+            sentences=numerical(told),
+            tables=tables,
+            data={
+                "unknowns": self.unknowns,
+                "degree": self.degree,
+                "cells": self.cells,
+                "points": self.points,
+                "steps": self.steps,
+                "residual": self.residual,
+                "condition": self.condition,
+                "order observed": self.observed_order,
+                "estimate": self.estimate,
+                "corners": self.corners,
+                "corners left": self.left + len(self.refused),
+            },
+        )
+
+    def of_corners(self, choice: CornerChoice | None) -> SolutionReport:
+        """The same, knowing of corners."""
+        if choice is None:
+            return self
+        return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
+
+    def _of_corners(self) -> list[str]:
+        """Which corners have functions of their own, and which do not though solutions are not smooth there."""
+        own = f"{plural(self.corners, 'corner')} of the shape: there are functions like solutions there."
+        less = f"{plural(self.left, 'corner')} without such functions: splines alone are less accurate there."
+        told = [line for line, count in ((own, self.corners), (less, self.left)) if count]
+        told += [f"No such functions where corners are not known: {reason}." for reason in self.refused]
+        return told
+
+
+def reported(rule: Quadrature, cells: int, degree: int, found: Solved) -> SolutionReport:
+    """How the answers of a system were found, nothing estimated yet."""
+    return SolutionReport(
+        unknowns=len(found.values),
+        degree=degree,
+        cells=cells,
+        points=len(rule.weights),
+        steps=found.steps,
+        residual=found.residual,
+        estimate=None,
+        grades=(),
+        unresolved=rule.unresolved,
+        condition=found.condition,
+    )
