@@ -34,6 +34,11 @@ from rsym.sampling.rules.quadrature import Quadrature
 BENDING = "d"  # the coefficient of a bilaplacian
 Jets = Callable[[Floats], Floats]
 
+# Of a cell: with whole cells alone, more splines are parts of others that are farther away, and the error of an ellipse
+# that is turned and shifted at 12 cells of degree 4 changes by a factor of 2.3 and not by 1.2; the condition of the
+# scaled matrix is 600 to 1300 then and not 1800 to 2100. With a third it is up to 5400, and nothing is gained.
+HALF = 0.5
+
 
 @dataclass(frozen=True)
 class EdgePart:
@@ -86,9 +91,11 @@ class Discretisation:
 
     @cached_property
     def splines(self) -> WebSplines:
-        """The splines of the grid of the rule."""
-        grid = self.rule.grid
-        return web_splines(grid.lower, grid.size, grid.counts, self.degree, self.rule.touched, self.rule.full)
+        """The splines of the grid of the rule; of those that have no cell half inside each is part of others."""
+        grid, rule = self.rule.grid, self.rule
+        content = np.bincount(rule.cells, rule.weights, int(np.prod(grid.counts)))
+        inner = np.flatnonzero(content >= HALF * grid.size ** len(grid.counts))
+        return web_splines(grid.lower, grid.size, grid.counts, self.degree, rule.touched, inner)
 
     @property
     def kinds(self) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from typing import Any
@@ -19,10 +20,12 @@ from rsym.problems.splines.web import WebSplines
 from rsym.sampling.extent import extent
 from rsym.sampling.plane import surrounded
 from rsym.sampling.rules.division import Grading
-from rsym.sampling.rules.quadrature import Quadrature, prepared
+from rsym.sampling.rules.gaps import Gap, thin_gap
+from rsym.sampling.rules.quadrature import CellGrid, Quadrature, prepared
 
 # Of the size of the shape: points of the boundary are known to rounding.
 ON_BOUNDARY = 1e-12
+SURE = 1e-3  # of the width of a gap
 
 
 def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near: Grading | None = None) -> Quadrature:
@@ -33,7 +36,8 @@ def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near:
         # Bounds with room beside the shape would be cells without it.
         inside = given is None or all(a <= c and d <= b for (a, b), (c, d) in zip(given, found, strict=True))
         box = found if inside else given
-    rule = prepared(shape, box, None).rule(cells, order, near)
+    made = prepared(shape, box, None)
+    rule = made.rule(cells, order, near)
     on_leaves = assigned(shape, list(names))
     met = np.unique(rule.boundary.leaves)
     sides = [rule.parts[leaf].removeprefix("cap ") for leaf in met if leaf >= len(on_leaves)]
@@ -47,7 +51,23 @@ def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near:
     for name in names:
         if isinstance(name, str) and name not in there:
             raise vanished(name)
+    _require_no_gap(thin_gap(made.functions, rule), rule.grid, cells)
     return rule
+
+
+def _require_no_gap(gap: Gap | None, grid: CellGrid, cells: int) -> None:
+    """Refuse cells that do not resolve a gap."""
+    if gap is None:
+        return
+    place = ", ".join(f"{round(value / grid.size, 3) * grid.size:.4g}" for value in gap.point)
+    sides = f"'{gap.parts[0]}' and '{gap.parts[1]}'" if len(set(gap.parts)) == 2 else f"places of '{gap.parts[0]}'"
+    enough = math.ceil(cells * grid.size / gap.width * (1 - SURE))
+    raise RsymError(
+        f"a gap {gap.width:.4g} wide at ({place}), between {sides}, is thinner than the cells, of {grid.size:.4g}: "
+        "splines would tie together what it keeps apart",
+        code="cells",
+        remedy=f"ask for {enough} cells or more, or take the sides as shapes by themselves",
+    )
 
 
 def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeVar
 
 from rsym.errors import RsymError, warn
@@ -38,6 +39,21 @@ class Grade(NamedTuple):
     degree: int
     unknowns: int
     estimate: float
+
+
+def observed_order(grades: Sequence[Grade]) -> float | None:
+    """The order in the size of cells by which the last two estimates fell; the degree may have been raised between.
+
+    Examples
+    --------
+    >>> observed_order([Grade(8, 4, 96, 1e-4), Grade(16, 4, 300, 3.125e-6)]), observed_order([])
+    (5.0, None)
+    """
+    known = [grade for grade in grades if 0 < grade.estimate < math.inf]
+    if len(known) < 2:
+        return None
+    before, last = known[-2:]
+    return math.log(before.estimate / last.estimate) / math.log(last.cells / before.cells)
 
 
 def refined(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from rsym.problems.corners.choice import CornerChoice
-from rsym.problems.refinement import Grade
+from rsym.problems.refinement import Grade, observed_order
 from rsym.problems.systems.linear import Solved
 from rsym.reports.document import Document, Sentence, Tabular, numerical
 from rsym.reports.numbers import short
@@ -22,8 +22,10 @@ class SolutionReport(Report):
     --------
     >>> import rsym
     >>> report = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).report
-    >>> report.unknowns, report.degree, report.steps
-    (96, 4, 0)
+    >>> report.unknowns, report.degree, report.steps, report.observed_order
+    (132, 4, 0, None)
+    >>> 500 < report.condition < 5000
+    True
     """
 
     unknowns: int
@@ -39,15 +41,26 @@ class SolutionReport(Report):
     corners: int = 0
     left: int = 0
     refused: tuple[str, ...] = ()
+    condition: float | None = None
+
+    @property
+    def observed_order(self) -> float | None:
+        """By which order in the size of cells the last two estimates fell; None where cells were given."""
+        return observed_order(self.grades)
 
     def document(self) -> Document:
-        """Unknowns, rule, how the system was solved, and the estimate of the error, which is one: nothing is proved."""
+        """Unknowns, rule, system, its condition, the order and the error, which are estimates: nothing is proved."""
         told = [
             f"{plural(self.unknowns, 'unknown')}: splines of degree {self.degree} on cells of which "
             f"{self.cells} are the longest side, {plural(self.points, 'point')} of integration."
         ]
         way = f"conjugate gradients in {plural(self.steps, 'step')}" if self.steps else "factors"
         told.append(f"The system was solved by {way}; its residual is {short(self.residual)} of the right side.")
+        if self.condition is not None:
+            told.append(f"The condition of its matrix, scaled by the diagonal, is estimated at {self.condition:.2g}.")
+        if self.observed_order is not None:
+            last = " to ".join(f"{grade.cells} cells of degree {grade.degree}" for grade in self.grades[-2:])
+            told.append(f"The order observed, from {last}, is {self.observed_order:.2g}.")
         if self.unresolved:
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
         told += self._of_corners()
@@ -72,6 +85,8 @@ class SolutionReport(Report):
                 "points": self.points,
                 "steps": self.steps,
                 "residual": self.residual,
+                "condition": self.condition,
+                "order observed": self.observed_order,
                 "estimate": self.estimate,
                 "corners": self.corners,
                 "corners left": self.left + len(self.refused),
@@ -105,4 +120,5 @@ def reported(rule: Quadrature, cells: int, degree: int, found: Solved) -> Soluti
         estimate=None,
         grades=(),
         unresolved=rule.unresolved,
+        condition=found.condition,
     )

@@ -20,7 +20,7 @@ from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.left_behind import portable
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
-from rsym.problems.refinement import Grade, last_degree, refined
+from rsym.problems.refinement import Grade, last_degree, observed_order, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, with_rule
 from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, problem_of
@@ -59,6 +59,11 @@ class Spectrum:
     modes: tuple[Solution, ...]
     grades: tuple[Grade, ...] = ()
     mass: Any = 1
+
+    @property
+    def observed_order(self) -> float | None:
+        """By which order in the size of cells the last two estimates fell; None where cells were given."""
+        return observed_order(self.grades)
 
     def __repr__(self) -> str:
         return (

@@ -17,7 +17,7 @@ from rsym.problems.equations import equation_of
 from rsym.problems.loops import loops_of
 from rsym.problems.places import relettered
 from rsym.problems.problem import Problem, with_corners
-from rsym.problems.refinement import Grade, last_degree, refined
+from rsym.problems.refinement import Grade, last_degree, observed_order, refined
 from rsym.problems.solution import MORE_POINTS, Attained, Solution, rule_for, solved
 from rsym.problems.solving import checked_degree
 from rsym.sampling.progress import Progress
@@ -52,6 +52,11 @@ class Torsion:
     levels: tuple[float, ...]
     areas: tuple[float, ...]
     grades: tuple[Grade, ...] = ()
+
+    @property
+    def observed_order(self) -> float | None:
+        """By which order in the size of cells the last two estimates fell; None where cells were given."""
+        return observed_order(self.grades)
 
     def __float__(self) -> float:
         return self.rigidity

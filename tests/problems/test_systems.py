@@ -16,6 +16,11 @@ def laplace(n):
     return (scale @ (sparse.kron(line, sparse.eye(n)) + sparse.kron(sparse.eye(n), line)) @ scale).tocsr()
 
 
+def scaled(matrix):
+    scale = sparse.diags(linear.scales(matrix))
+    return (scale @ matrix @ scale).toarray()
+
+
 def test_both_ways_to_solve_agree_with_dense_algebra(monkeypatch):
     matrix, right = laplace(12), np.arange(144.0)
     exact = np.linalg.solve(matrix.toarray(), right)
@@ -23,6 +28,9 @@ def test_both_ways_to_solve_agree_with_dense_algebra(monkeypatch):
     monkeypatch.setitem(linear.DIRECT, 2, 10)
     steps = linear.solve_system(matrix, right, definite=True, dimension=2)
     assert direct.steps == 0 < steps.steps
+    condition = np.linalg.cond(scaled(matrix))
+    assert 0.9 * condition < direct.condition < (1 + 1e-9) * condition
+    assert 0.999 * condition < steps.condition < (1 + 1e-9) * condition
     for found in (direct, steps):
         np.testing.assert_allclose(found.values, exact, rtol=1e-8)
         assert found.residual < 1e-12

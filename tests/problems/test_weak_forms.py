@@ -137,7 +137,7 @@ def test_what_flows_along_stands_beside_derivatives_of_v():
         return (out + np.array(flux) @ w.n) * v
 
     found = rsym.solve_form(RIM, a, {"inside": load, "boundary": leaving}, cells=6)
-    assert error(found, u) < 1e-10
+    assert error(found, u) < 1e-9
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -151,7 +151,7 @@ def test_values_may_be_held_by_the_form_alone(sign):
         return w.x[0] * (-sign * (v.grad @ w.n) + 50 / w.h * v)
 
     found = rsym.solve_form(RIM, {"inside": laplace, "rim": on_the_edge}, {"inside": one, "rim": given}, cells=6)
-    assert error(found, x + (1 - x**2 - y**2) / 4) < 1e-10
+    assert error(found, x + (1 - x**2 - y**2) / 4) < 1e-9
 
 
 def test_a_form_of_the_residual_is_consistent_on_every_grid():
@@ -250,7 +250,7 @@ def test_letters_call_nothing_and_compile_nothing(monkeypatch):
 
     forms = {"rim": lambda u, v, w: w.n[0] ** 2 * u * v + w.n[1] ** 2 * w.d * u * v}
     found = rsym.solve_form(shape, {"inside": a, **forms}, lambda v, w: 4 * v, cells=6, letters={"c": 1})
-    assert abs(found(0, 0) - 3) < 1e-12  # u = 1 - r**2 + 2, for u_n = -2
+    assert abs(found(0, 0) - 3) < 1e-11  # u = 1 - r**2 + 2, for u_n = -2
     assert len(times) == 1
     monkeypatch.setattr("rsym.backends.kernel.make_function", None)
     other = found.with_letters({"d": 2, "c": 1})

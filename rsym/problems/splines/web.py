@@ -1,4 +1,4 @@
-"""Tensor B-splines on a uniform grid; those that have no whole cell inside are parts of others: WEB splines."""
+"""Tensor B-splines on a uniform grid; those that have too little inside are parts of others: WEB splines."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class WebSplines:
 
     lower, size, counts : the corner of the grid, the sides of a cell, how many cells along each axis.
     active : the numbers, in C order, of the splines that some cell touched by the shape carries.
-    inner : whether each of these has a cell that is whole inside.
+    inner : whether each of these has a cell of which enough is inside.
 
     A spline that has none is no function of its own: its coefficient is that of the polynomial through those of
     the nearest block of ``(degree + 1)**dimension`` inner ones, so what is polynomial inside stays so.
@@ -116,7 +116,7 @@ class WebSplines:
         if not len(corners):
             raise RsymError(
                 f"{' x '.join(map(str, self.counts))} cells are too few for splines of degree {self.degree}: no block "
-                f"of these, {self.degree + 1} to each side, has a cell inside the shape each",
+                f"of these, {self.degree + 1} to each side, has a cell half inside the shape each",
                 code="cells",
                 remedy="ask for more cells, or a lower degree",
             )
@@ -137,9 +137,9 @@ class WebSplines:
 
 
 def web_splines(
-    lower: Floats, size: float, counts: Sequence[int], degree: int, touched: Ints, full: Ints
+    lower: Floats, size: float, counts: Sequence[int], degree: int, touched: Ints, inner: Ints
 ) -> WebSplines:
-    """The splines of the cells `touched` by a shape, of which those `full` are whole inside."""
+    """The splines of the cells `touched` by a shape; those of the cells `inner` are functions of their own."""
     counts = tuple(int(count) for count in counts)
     shape = tuple(count + degree for count in counts)
     local = digits(degree + 1, len(counts))
@@ -150,6 +150,6 @@ def web_splines(
             found[tuple(np.stack(np.unravel_index(cells, counts)) + index[:, None])] = True
         return np.flatnonzero(found)
 
-    active = carried(np.union1d(touched, full).astype(np.int64))
-    inner = np.isin(active, carried(np.asarray(full, np.int64)))
-    return WebSplines(np.asarray(lower, float), np.full(len(counts), size, np.float64), counts, degree, active, inner)
+    active = carried(np.union1d(touched, inner).astype(np.int64))
+    own = np.isin(active, carried(np.asarray(inner, np.int64)))
+    return WebSplines(np.asarray(lower, float), np.full(len(counts), size, np.float64), counts, degree, active, own)

@@ -9,6 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg import eigvalsh_tridiagonal
 from scipy.sparse import linalg
 
 from rsym.arrays import Flags, Floats, Ints
@@ -32,6 +33,8 @@ UNSURE = 1e-6
 DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
 BLOCKS = 8  # of rows that threads may share
 MOST_SHIFTS = 30
+# Steps of Lanczos's method to the largest and the least eigenvalue of a matrix that was factored.
+LANCZOS = 8
 # Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
 MOST_RANKED, RANK = 1000, 1e-12
 SEED = 20130605
@@ -39,11 +42,15 @@ SEED = 20130605
 
 @dataclass(frozen=True)
 class Solved:
-    """Answers of a system, and how they were found: steps is 0 where the matrix was factored."""
+    """Answers of a system, and how they were found: steps is 0 where the matrix was factored.
+
+    condition : of the matrix scaled by its diagonal, an estimate from below; None where it is not definite.
+    """
 
     values: Floats
     steps: int
     residual: float
+    condition: float | None = None
 
 
 def scales(matrix: sparse.csr_matrix) -> Floats:
@@ -87,34 +94,37 @@ def solve_system(
     size = _norm(wanted)
     if size == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
+    steps, condition = 0, None
     if definite and len(right) > DIRECT[dimension]:
-        found, steps = _conjugate_gradients(scaled, wanted)
+        found, steps, condition = _conjugate_gradients(scaled, wanted)
     elif not symmetric and len(right) > DIRECT_UNEVEN[dimension]:
-        found, steps = _by_products(_stabilised, scaled, wanted)
+        found, steps = _stabilised(scaled, wanted)
         if not _norm(wanted - scaled @ found) <= UNEVEN_SMALL * size:
-            found = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
+            found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
             steps = 0
     else:
-        found = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
-        steps = 0
+        found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
     if found is None:
         return _without(matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric)
     residual = _norm(wanted - scaled @ found) / size
     if not residual <= UNSURE:
         raise nearly_singular()
-    return Solved(scale * found, steps, residual)
+    return Solved(scale * found, steps, residual, condition)
 
 
 def _by_factors(
     matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int
-) -> Floats | None:
-    """The solution, refined once; None where it is not sure, which some of the last functions may be to blame for."""
+) -> tuple[Floats | None, float | None]:
+    """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
+
+    And the condition of a definite matrix, nearly.
+    """
     try:
         factors = factored(matrix)
     except RsymError:
         if not last:
             raise
-        return None
+        return None, None
     found: Floats = factors.solve(right)
     correction = factors.solve(right - matrix @ found)
     # Of rounding alone, it is as large a share as the condition of the matrix makes it. Where the last functions
@@ -125,8 +135,12 @@ def _by_factors(
         first = slice(len(right) - last)
         solve_system(matrix[first, first], right[first], definite=True, dimension=dimension)
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
-    corrected: Floats = found + correction
-    return corrected if unsure <= UNSURE else None
+    if not unsure <= UNSURE:
+        return None, None
+    if not definite:
+        return found + correction, None
+    largest, inverse = (_largest(product, len(right)) for product in (matrix.__matmul__, factors.solve))
+    return found + correction, largest * inverse
 
 
 def _without(
@@ -180,18 +194,7 @@ def nearly_singular() -> RsymError:
     )
 
 
-def _by_products(
-    way: Callable[[Callable[[Floats], Floats], Floats], tuple[Floats, int]], matrix: sparse.csr_matrix, right: Floats
-) -> tuple[Floats, int]:
-    """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads. Rows are by themselves."""
-    threads = checked_threads(None)
-    bounds = np.linspace(0, len(right), threads + 1).astype(int)
-    blocks = [matrix[first:last] for first, last in pairwise(bounds.tolist())]
-    with ThreadPoolExecutor(threads) as pool:
-        return way(lambda x: np.concatenate(list(pool.map(lambda block: block @ x, blocks))), right)
-
-
-def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
+def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int, float]:
     """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads.
 
     To read a matrix takes most of the time: of a symmetric one half is enough. Its rows are in blocks, as many for any
@@ -262,24 +265,58 @@ def lower_product(begins: Ints, columns: Ints, values: Floats, x: Floats, out: F
         out[above + row] += one + other + values[end] * own
 
 
-def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int]:
+def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int, float]:
+    """The solution, the steps, and the condition that they show: gradients are conjugated as in Lanczos's method."""
     found, residual = np.zeros_like(right), right.copy()
     direction, size = residual.copy(), float(np.sum(residual * residual))
     enough = SMALL**2 * size
-    for step in range(1, MOST_STEPS + 1):
+    lengths, shares = [], []
+    for _ in range(MOST_STEPS):
         image = product(direction)
         length = size / float(np.sum(direction * image))
         found += length * direction
         residual -= length * image
         size, before = float(np.sum(residual * residual)), size
+        lengths.append(length)
         if size <= enough:
-            return found, step
-        direction = residual + (size / before) * direction
-    return found, MOST_STEPS
+            break
+        shares.append(size / before)
+        direction = residual + shares[-1] * direction
+    steps = len(lengths)
+    inverse, ratios = 1 / np.array(lengths), np.array(shares[: steps - 1])
+    own = inverse + np.concatenate([[0.0], ratios * inverse[:-1]])
+    values = eigvalsh_tridiagonal(own, np.sqrt(ratios) * inverse[:-1])
+    return found, steps, float(values[-1] / values[0])
 
 
-def _stabilised(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int]:
-    """Van der Vorst's BiCGSTAB (1992); where a product of its vanishes it ends."""
+def _largest(product: Callable[[Floats], Floats], count: int) -> float:
+    """The largest eigenvalue of a definite matrix, nearly, from below: by some steps of Lanczos's method."""
+    vector = np.random.default_rng(SEED).standard_normal(count)
+    vector, before, beside = vector / _norm(vector), np.zeros(count), 0.0
+    own, others = [], []
+    for _ in range(min(LANCZOS, count)):
+        image = product(vector) - beside * before
+        own.append(float(np.sum(image * vector)))
+        image -= own[-1] * vector
+        beside = _norm(image)
+        if not beside > 0:
+            break
+        others.append(beside)
+        before, vector = vector, image / beside
+    return float(eigvalsh_tridiagonal(np.array(own), np.array(others[: len(own) - 1]))[-1])
+
+
+def _stabilised(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
+    """By van der Vorst's BiCGSTAB (1992); rows are by themselves, whatever thread they are of."""
+    threads = checked_threads(None)
+    bounds = np.linspace(0, len(right), threads + 1).astype(int)
+    blocks = [matrix[first:last] for first, last in pairwise(bounds.tolist())]
+    with ThreadPoolExecutor(threads) as pool:
+        return _gradients_stabilised(lambda x: np.concatenate(list(pool.map(lambda block: block @ x, blocks))), right)
+
+
+def _gradients_stabilised(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int]:
+    """Where a product of the method vanishes it ends."""
     found, residual, shadow = np.zeros_like(right), right.copy(), right
     direction, size = residual.copy(), np.sum(shadow * residual)
     enough = SMALL**2 * size

@@ -10,4 +10,5 @@ In comes a shape, out come points and weights inside and on the boundary. In the
 - `space`: the same over the parts of a plane base
 - `quadrature`: `rsym.quadrature`; `refinement`: until two rules agree; `integrals`: `rsym.integrate`; `measures`:
   `rsym.measure`
+- `gaps`: where a shape has gaps thinner than the cells of a rule
 """
