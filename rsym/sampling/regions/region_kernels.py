@@ -55,6 +55,8 @@ MOST_LEAVES = 32_000  # their numbers have 16 bits
 class RegionKernels:
     """Made once for a sign form; `set` chooses letters and bounds."""
 
+    grain = 16384  # points of a call: of fewer each region has few, and its tape is written for each call
+
     def __init__(self, form: SignForm, *, shared: bool) -> None:
         if len(form.leaves) > MOST_LEAVES:
             raise RsymError(

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
-from rsym.sampling.sharp.crossings import LEAF_GRAIN, Crossings, evaluate
+from rsym.sampling.sharp.crossings import Crossings, evaluate
 from rsym.sampling.sharp.faces import smallest
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.topology import Topology
@@ -30,11 +30,9 @@ REACH = 4.0
 # From a kink, in cells: far enough for a gradient.
 ASIDE = 1e-7 * np.array([[3.0], [4.0], [5.0]])
 MOST_LEAVES = 6  # of a patch that are told apart
-GRAIN = 1024
 
 # Leaves have gradients of length 1 to 2, by and large: a value below this share of what counts needs no second look.
 CLEARLY = 1e-3
-MOST_AT_ONCE = 4096
 
 
 def settle(
@@ -118,7 +116,7 @@ def solve(kernels: MesherKernels, leaves: Shorts, start: Floats, lattice: Floats
         points[:, which] = own
 
     if size:
-        in_threads(piece, points.shape[1], LEAF_GRAIN, pool)
+        in_threads(piece, points.shape[1], kernels.grain, pool)
     return points
 
 
@@ -188,7 +186,7 @@ def off_surface(kernels: MesherKernels, points: Floats, lattice: Floats, pool: E
     places = columns(points)
     value, gradient = np.empty(places.shape[1]), np.empty(places.shape)
     leaf = np.full(places.shape[1], -1, np.int16)
-    in_threads(lambda a, b: kernels.value(b - a, places, value, leaf, first=a), count, GRAIN, pool)
+    in_threads(lambda a, b: kernels.value(b - a, places, value, leaf, first=a), count, kernels.grain, pool)
     evaluate(kernels, leaf, places, value, gradient, count, pool)
     with np.errstate(all="ignore"):
         cells: Floats = np.abs(value[:count]) / np.linalg.norm(gradient[:, :count] * lattice[3:, None], axis=0)
@@ -267,7 +265,7 @@ def _slid(kernels: MesherKernels, start: Floats, pool: Executor | None) -> Float
                 return
         points[:, which] = own
 
-    in_threads(piece, points.shape[1], GRAIN, pool)
+    in_threads(piece, points.shape[1], kernels.grain, pool)
     return points
 
 
@@ -278,7 +276,7 @@ def stray_vertices(
     count = len(vertices)
     points = columns(vertices.T)
     value, leaf = np.empty(padded(count)), np.empty(padded(count), np.int16)
-    in_threads(lambda a, b: kernels.value(b - a, points, value, leaf, first=a), count, MOST_AT_ONCE, pool)
+    in_threads(lambda a, b: kernels.value(b - a, points, value, leaf, first=a), count, kernels.grain, pool)
     doubtful = np.flatnonzero(~(np.abs(value[:count]) < CLEARLY * smallest(lattice)))
     if not len(doubtful):
         return None

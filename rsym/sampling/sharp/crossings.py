@@ -18,7 +18,6 @@ from rsym.sampling.sharp.signs import BLOCK, Blocks, list_edges
 from rsym.sampling.sharp.topology import GRAIN, Topology
 
 BYTES = 96  # for the bits of 9x9x9 points, whole words
-LEAF_GRAIN = 4096
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,7 @@ def evaluate(
     pool: Executor | None,
 ) -> None:
     """Value and gradient of the leaf of each point."""
-    in_threads(lambda a, b: kernels.leaf(b - a, leaf, points, value, gradients, first=a), count, LEAF_GRAIN, pool)
+    in_threads(lambda a, b: kernels.leaf(b - a, leaf, points, value, gradients, first=a), count, kernels.grain, pool)
 
 
 class Leaves(Protocol):

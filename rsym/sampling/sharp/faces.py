@@ -20,7 +20,7 @@ from rsym.sampling.sharp.signs import ABSENT, Bytes, Numbers
 
 # Costs this close, as a share of both, say nothing: then the better shape decides.
 EVEN = 1e-3
-GRAIN = 1024
+GRAIN = 4096
 # The triangles of a quad a, b, c, d: on the diagonal a-c, then on b-d.
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3], [1, 2, 3], [1, 3, 0]])
 
@@ -107,7 +107,7 @@ def turn_diagonals(
     middle, gradient = np.zeros((3, padded(count))), np.zeros((3, padded(count)))
     value, leaf = np.empty(middle.shape[1]), np.full(middle.shape[1], -1, np.int16)
     in_threads(lambda a, b: middles(a, b, which, faces, points, middle, _corners()), len(which), GRAIN, pool)
-    in_threads(lambda a, b: kernels.value(b - a, middle, value, leaf, first=a), count, GRAIN, pool)
+    in_threads(lambda a, b: kernels.value(b - a, middle, value, leaf, first=a), count, kernels.grain, pool)
     evaluate(kernels, leaf, middle, value, gradient, count, pool)
     arrays = (which, gradient, points, faces)
     in_threads(lambda a, b: choose(a, b, *arrays, _corners(), np.empty((2, 2))), len(which), GRAIN, pool)
