@@ -133,8 +133,10 @@ SLOW = ["gear", "car", "spring", "solids", "vase", "lattice", "jack", "gyroid", 
 
 @pytest.mark.parametrize("model", ["bracket", *(pytest.param(model, marks=pytest.mark.slow) for model in SLOW)])
 def test_sections_and_extents_have_the_same_bits_by_tapes(model, monkeypatch):
-    def looked_at():
+    def looked_at(look):
         shape = rsym.load(model)
+        # With a letter of its own it does not share what was made for the first look.
+        shape = shape.replace(letters={**shape.letters, look: 0})
         if shape.dimension == 2:
             shape = rsym.extrude(shape, 0, 1)
         (low, high), axis = (shape.bounds or rsym.extent(shape))[2], shape.coordinates[2]
@@ -143,11 +145,11 @@ def test_sections_and_extents_have_the_same_bits_by_tapes(model, monkeypatch):
         found = rsym.sections(shape, heights, axis=axis, resolution=100)
         return found, extent_or_words(shape), (sampler.large, type(proved_signs(shape).bounds))
 
-    sections, extent, (large, bounds) = looked_at()
+    sections, extent, (large, bounds) = looked_at("compiled")
     assert (large, bounds) == (None, FormBounds)
     for where in ("rsym.sampling.plane_regions", "rsym.sampling.kernels.mesher_kernels"):
         monkeypatch.setattr(f"{where}.backend_for", lambda form: "tape")
-    same, same_extent, (large, bounds) = looked_at()
+    same, same_extent, (large, bounds) = looked_at("taped")
     assert (type(large), bounds) == (PlaneForm, TapedBounds)
     assert same_extent == extent
     for one, other in zip(sections, same, strict=True):
