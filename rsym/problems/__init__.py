@@ -12,8 +12,9 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
   solution is made of; `posing`: its conditions as the letters of its shape have them
-- `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small;
-  `printed`: a solution as an expression; `extremes`: its least value; `solution`: what comes, `solution_report`: how
+- `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small; `peaks`: of
+  data, which a rule misses; `printed`: a solution as an expression; `extremes`: its least value; `solution`: what comes
+  out, `solution_report`: how it was found
 - `solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane; `stated`: what a
   model file asks
 """
