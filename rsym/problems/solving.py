@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,16 +19,14 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name
 from rsym.problems.equations import equation_of
+from rsym.problems.peaks import of_problem, unseen
 from rsym.problems.places import relettered
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, with_corners
-from rsym.problems.refinement import FIRST_CELLS, HIGHEST_DEGREE, TOLERANCE, last_degree, refined
+from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
 from rsym.sampling.progress import Progress
-from rsym.sampling.rules.refinement import FINER
-
-SEEN = 1e-3  # of sums of coefficients on two rules: larger differences are peaks that one of them misses
 
 
 def solve(
@@ -127,7 +126,7 @@ def answered(
         made = solved(problem, rule_for(problem, cells, degree + MORE_POINTS), cells, degree)
         error = estimated(made)
         # What all points of a rule miss is in no difference of degrees.
-        return made, made.report.unknowns, error if error > wanted else max(error, unseen(made))
+        return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 
     wanted = TOLERANCE if tolerance is None else tolerance
     found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
@@ -199,18 +198,13 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
     return shape, named
 
 
-def unseen(solution: Solution) -> float:
-    """How much more than a thousandth the squares of the coefficients sum up to on smaller cells, as a share; or 0."""
-    problem, rule, dimension = solution.problem, solution.rule, solution.problem.dimension
-    if not any(sp.sympify(one).free_symbols for one in problem.equation.expressions.values()):
-        return 0.0
-    cells = FINER[dimension] * FIRST_CELLS + 1
-    finer = rule_for(problem, max(cells, 2 * solution.report.cells + 1), rule.order)
-    here, there = (one.weights @ np.transpose(problem.coefficients(one.points)) ** 2 for one in (rule, finer))
-    largest = np.maximum(here, there)
-    apart = np.abs(here - there)[largest > 0] / largest[largest > 0]
-    worst = float(apart.max(initial=0.0))
-    return worst if worst > SEEN else 0.0
+def missed(solution: Solution) -> float:
+    """How much of the data of its problem a solution may not have seen, as a share of their squares; or 0."""
+    problem, rule = solution.problem, solution.rule
+    data = of_problem(problem)
+    return (
+        0.0 if data is None else unseen(rule, partial(rule_for, problem, order=rule.order), solution.report.cells, data)
+    )
 
 
 def estimated(solution: Solution) -> float:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,16 +19,18 @@ from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.left_behind import portable
+from rsym.problems.peaks import unseen, varies
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
-from rsym.problems.refinement import Grade, last_degree, observed_order, refined
+from rsym.problems.refinement import TOLERANCE, Grade, last_degree, observed_order, refined
 from rsym.problems.solution import MORE_POINTS, Solution, rule_for, with_rule
 from rsym.problems.solution_report import reported
-from rsym.problems.solving import checked_degree, problem_of
+from rsym.problems.solving import checked_degree, missed, problem_of
 from rsym.problems.systems.forms import CellPoints, extended
 from rsym.problems.systems.linear import Solved, eigenpairs, rank
 from rsym.reports.words import plural
 from rsym.sampling.progress import Progress
+from rsym.sampling.rules.quadrature import Quadrature
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -144,10 +147,27 @@ def modes(
     def attempt(cells: int, degree: int) -> tuple[Spectrum, int, float]:
         made, lower = (_spectrum(problem, cells, p, count, mass) for p in (degree, degree - 1))
         scale = np.maximum(np.abs(made.values), np.abs(made.values).max() * 1e-3)
-        return made, made.modes[0].report.unknowns, float(np.max(np.abs(made.values - lower.values) / scale))
+        error = float(np.max(np.abs(made.values - lower.values) / scale))
+        return made, made.modes[0].report.unknowns, error if error > wanted else max(error, _missed(made))
+
+    wanted = TOLERANCE if tolerance is None else tolerance
 
     found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
     return replace(found, grades=grades)
+
+
+def _missed(made: Spectrum) -> float:
+    """How much of the data and of the mass inside a spectrum may not have seen."""
+    mode, mass = made.modes[0], made.mass
+    found, shape = missed(mode), mode.shape
+    if isinstance(mass, Mapping) or not varies(mass):
+        return found
+
+    def data(rule: Quadrature) -> Iterator[tuple[Floats, Floats]]:
+        yield value_at(shape, mass, rule.points)[None], rule.weights
+
+    finer = partial(rule_for, mode.problem, order=mode.rule.order)
+    return max(found, unseen(mode.rule, finer, mode.report.cells, data))
 
 
 def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) -> Spectrum:

@@ -12,7 +12,7 @@ import rsym
 from rsym import x, y, z
 from rsym.problems.posing import posed_again
 from rsym.problems.solution import solved
-from rsym.problems.solving import problem_of, unseen
+from rsym.problems.solving import missed, problem_of
 
 RIM = rsym.disc(1).named("rim")
 RING = RIM - rsym.disc(sp.Rational(1, 2)).named("bore")
@@ -397,8 +397,26 @@ def peak(u, v):
 @pytest.mark.parametrize(("load", "there"), [(peak, True), (sp.exp(x) * y, False), (sp.Abs(x - y), False)])
 def test_a_load_between_the_points_of_a_rule_is_seen(load, there):
     found = rsym.solve(RIM, "-laplacian(u) = 4 + f", 0, letters={"f": load}, cells=8)
-    assert (unseen(found) > 0.1) == there
-    assert there or unseen(found) == 0
+    assert (missed(found) > 0.1) == there
+    assert there or missed(found) == 0
+
+
+def test_a_peak_on_the_boundary_is_seen():
+    near = sp.exp(-((x - 1) ** 2 + (y - sp.Rational(7, 100)) ** 2) * 250000)
+    assert missed(rsym.solve(RIM, "-laplacian(u) = 4", {"rim": rsym.robin(1, near)}, cells=8)) > 0.1
+    assert missed(rsym.solve(RIM, "-laplacian(u) = 4", near, cells=8)) > 0.1
+    assert missed(rsym.solve(RIM, "-laplacian(u) = 4", {"rim": rsym.robin(1, x * y)}, cells=8)) == 0
+
+
+def test_a_peak_of_mass_or_force_is_in_the_estimate(monkeypatch):
+    monkeypatch.setattr("rsym.problems.refinement.MOST_UNKNOWNS", {2: 1})
+    with pytest.warns(rsym.RsymWarning, match="above the tolerance"):
+        drum = rsym.modes(RIM, 1, mass=lambda u, v: 1 + peak(u, v), tolerance=0.5)
+    with pytest.warns(rsym.RsymWarning, match="above the tolerance"):
+        pulled = rsym.elasticity(RIM, {"rim": 0}, young=1, poisson=0.3, loads=(peak, 1), tolerance=0.5)
+    assert min(drum.grades[0].estimate, pulled.report.grades[0].estimate) > 0.5
+    calm = rsym.elasticity(RIM, {"rim": 0}, young=1 + x**2, poisson=0.3, loads=(y, 1), tolerance=1e-3)
+    assert calm.report.estimate < 1e-3
 
 
 @pytest.mark.slow

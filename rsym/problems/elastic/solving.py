@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from rsym.analysis.conditions import condition_value
+from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
 from rsym.model.requirements import require_mapping, require_shape
@@ -16,12 +17,14 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name
 from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody
 from rsym.problems.elastic.result import ElasticSolution, in_equilibrium
-from rsym.problems.elastic.supports import EXAMPLES, as_support, vector
+from rsym.problems.elastic.supports import EXAMPLES, Pressure, Traction, as_support, vector
+from rsym.problems.peaks import of_problem, unseen, varies
 from rsym.problems.places import rule_on
-from rsym.problems.refinement import refined
+from rsym.problems.refinement import TOLERANCE, refined
 from rsym.problems.solution import MORE_POINTS
 from rsym.problems.solving import checked_degree, lettered
 from rsym.sampling.progress import Progress
+from rsym.sampling.rules.quadrature import Quadrature
 
 
 def elasticity(
@@ -110,12 +113,44 @@ def elasticity(
 
     def attempt(cells: int, degree: int) -> tuple[ElasticSolution, int, float]:
         made = in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
-        return made, made.report.unknowns, _estimated(made)
+        error = _estimated(made)
+        return made, made.report.unknowns, error if error > wanted else max(error, _missed(made))
 
+    wanted = TOLERANCE if tolerance is None else tolerance
     found, grades = refined(attempt, 2, degree, tolerance, progress)
     told = replace(found, report=replace(found.report, estimate=grades[-1].estimate, grades=grades))
     told.__dict__["rule"] = found.rule
     return told
+
+
+def _missed(found: ElasticSolution) -> float:
+    """How much of loads, moduli and what is given on the boundary a state may not have seen."""
+    body, order = found.body, found.rule.order
+    parts = [data for data in map(of_problem, body.problems) if data is not None]
+
+    def data(rule: Quadrature) -> Iterator[tuple[Floats, Floats]]:
+        boundary = rule.boundary
+        yield np.concatenate([body.load(rule.points), body.moduli(rule.points)]), rule.weights
+        for leaf in range(len(body.names)):
+            on = boundary.leaves == leaf
+            force = body.traction(leaf, np.ascontiguousarray(boundary.points[on]), boundary.normals[on])
+            if force is not None:
+                yield force, boundary.weights[on]
+        for part in parts:
+            yield from part(rule)
+
+    if not (parts or varies(*body.loads, body.young, body.poisson, *_forces(body))):
+        return 0.0
+    return unseen(found.rule, lambda cells: rule_on(body.shape, body.named, cells, order), found.report.cells, data)
+
+
+def _forces(body: ElasticBody) -> list[Any]:
+    """What presses and pulls on the parts of a body."""
+    found: list[Any] = []
+    for condition in body.named.values():
+        found += [condition.pressure] if isinstance(condition, Pressure) else []
+        found += condition.force if isinstance(condition, Traction) else ()
+    return found
 
 
 def _estimated(found: ElasticSolution) -> float:

@@ -94,12 +94,14 @@ def solve_system(
     size = _norm(wanted)
     if size == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
+    found: Floats | None
     steps, condition = 0, None
     if definite and len(right) > DIRECT[dimension]:
         found, steps, condition = _conjugate_gradients(scaled, wanted)
     elif not symmetric and len(right) > DIRECT_UNEVEN[dimension]:
-        found, steps = _stabilised(scaled, wanted)
-        if not _norm(wanted - scaled @ found) <= UNEVEN_SMALL * size:
+        made, steps = _stabilised(scaled, wanted)
+        found = made
+        if not _norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
             found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
             steps = 0
     else:
