@@ -102,8 +102,8 @@ class _Bases:
         own = piece[part[first]]
         leaves = pieces.leaf[np.stack([pair[first], pair[second]])]
         ends_of_bases = np.stack([lower, upper])[:, part[first]]
-        apart = ~coincide(functions, leaves, pieces.axis[own], self.columns.height[:, own], ends_of_bases)
-        first, second, own, leaves = first[apart], second[apart], own[apart], leaves[:, apart]
+        two = ~coincide(functions, leaves, pieces.axis[own], self.columns.height[:, own], ends_of_bases)
+        first, second, own, leaves = first[two], second[two], own[two], leaves[:, two]
         if not len(first):
             return np.empty(0, np.int64), np.empty(0)
         axis = pieces.axis[own]

@@ -114,8 +114,8 @@ def refined(
 
     def compared() -> Refined:
         with np.errstate(invalid="ignore"):  # of sums that are not finite
-            three = [np.abs(one - other) for one, other in ((sums, before), (before, earlier), (earlier, first))]
-        return Refined(sums, before, scales, count, highest, _apart(*three, count * highest / along))
+            now, last, older = np.abs(sums - before), np.abs(before - earlier), np.abs(earlier - first)
+        return Refined(sums, before, scales, count, highest, _apart(now, last, older, count * highest / along))
 
     dimension = shape.functions.dimension
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)

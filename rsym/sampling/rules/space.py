@@ -125,7 +125,8 @@ class BaseFunctions:
         low, high = along(pieces.gradient, pieces.axis[pieces.piece])
         count = len(pieces)
         cells = CutPieces(
-            *base,
+            base[0],
+            base[1],
             np.arange(count),
             np.empty((count, 0), np.int8),
             starts(np.bincount(piece, minlength=count)),
