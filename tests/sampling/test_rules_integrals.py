@@ -130,7 +130,7 @@ def test_a_peak_between_the_points_of_the_first_rule_is_found():
     assert abs(found / (1 + math.pi) - 1) < 1e-12
     with pytest.warns(rsym.RsymWarning, match="known to a relative error"):
         found = rsym.integrate(lambda u, v: peak(u, v, 1e-6), rsym.disc(1))
-    assert abs(found - 1 - math.pi) < found.error < 1
+    assert abs(found - 1 - math.pi) < found.error < 10
 
 
 @pytest.mark.parametrize(("radius", "turn"), [(0.5, 0.0), (0.25, 0.0), (0.2, 0.0), (0.625, 6.29)])
@@ -158,3 +158,24 @@ def test_two_leaves_on_one_curve_are_one(shape, content, boundary):
     assert abs(found.content - content) < 1e-13
     assert abs(found.boundary - boundary) < 1e-12
     assert sum(found.parts.values()) == pytest.approx(float(boundary), abs=1e-12)
+
+
+LINE = sp.Abs(x - sp.Float(0.3137))
+
+
+@pytest.mark.filterwarnings("ignore:an integral is known")
+@pytest.mark.parametrize(
+    ("shape", "function", "exact", "tolerance"),
+    [
+        (rsym.disc(1), 1 / sp.sqrt(1 - x**2 - y**2), 2 * math.pi, 1e-3),
+        (rsym.disc(1), sp.sqrt(1 - x**2 - y**2), 2 * math.pi / 3, 1e-7),
+        (rsym.disc(1), (x**2 + y**2) ** sp.Rational(-1, 4), 2 * math.pi / 1.5, 1e-7),
+        (rsym.rectangle(2, 2), LINE, 0.6863**2 + 1.3137**2, 1e-5),
+        (rsym.rectangle(2, 2), 1 / sp.sqrt(LINE), (0.6863**0.5 + 1.3137**0.5) * 4, 1e-3),
+        (rsym.rectangle(2, 2), lambda x, y: x > 0.3137, 2 * 0.6863, 1e-3),
+    ],
+)
+def test_errors_of_singular_functions_are_about_as_large_as_stated(shape, function, exact, tolerance):
+    """They were up to 15 times as large: differences that fall slowly add up."""
+    found = rsym.integrate(function, shape, tolerance=tolerance)
+    assert abs(found - exact) < 2 * found.error < 1

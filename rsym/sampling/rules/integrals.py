@@ -59,7 +59,8 @@ def integrate(
     Returns
     -------
     Integral
-        A float with `.error`, an estimate: the difference of the last two rules, and rounding.
+        A float with `.error`, an estimate: the difference of the last two rules, some ten times it where differences
+        fall slowly, as of singular functions, and rounding.
 
     Raises
     ------

@@ -22,6 +22,9 @@ HIGHEST = 20  # beyond, cells are halved instead
 MOST_POINTS = {2: 2e6, 3: 3e7}  # some seconds
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 ROUNDING = 4 * np.finfo(np.float64).eps
+# Differences that fall no faster than this fall as a power of the points along a line: this one at worst,
+# as at the root of a distance to a line. By chance one may be smaller than its like by so much.
+SLOW, POWER, CHANCE = 0.03, 0.5, 0.125
 
 
 class Integral(float):
@@ -54,13 +57,17 @@ class Integral(float):
 
 @dataclass(frozen=True)
 class Refined:
-    """Sums by two rules, the better one first, and how large they can be; cells and order of the better one."""
+    """Sums by two rules, the better one first, and how large they can be; cells and order of the better one.
+
+    `apart`: how far the better one may be off but for rounding.
+    """
 
     sums: Floats
     before: Floats
     scales: Floats
     cells: int
     order: int
+    apart: Floats
 
     def beyond(self, tolerance: float) -> Flags:
         """Which errors are not within a tolerance, relative to the scales."""
@@ -70,7 +77,7 @@ class Refined:
     def errors(self) -> Floats:
         """Of the sums; infinite where one is not finite, so that no comparison takes it for small."""
         with np.errstate(invalid="ignore"):
-            apart = np.abs(self.sums - self.before) + ROUNDING * self.scales
+            apart = self.apart + ROUNDING * self.scales
         return np.where(np.isfinite(apart), apart, np.inf)
 
     def integral(self, number: int) -> Integral:
@@ -105,27 +112,34 @@ def refined(
             met.update(np.unique(portion.rule.edge_leaf).tolist())
         return total, scale, points
 
+    def compared() -> Refined:
+        with np.errstate(invalid="ignore"):  # of sums that are not finite
+            now, last, older = np.abs(sums - before), np.abs(before - earlier), np.abs(earlier - first)
+        return Refined(sums, before, scales, count, highest, _apart(now, last, older, count * highest / along))
+
     dimension = shape.functions.dimension
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
     count, highest = CELLS[dimension] if cells is None else cells, order
     sums, scales, points = summed()
+    before = earlier = np.full_like(sums, np.nan)
     shape.warn_of_cuts(shape.owner[sorted(met)])
     while True:
-        before = sums
+        first, earlier, before, along = earlier, before, sums, count * highest
         if highest + ORDERS > max(HIGHEST, order + ORDERS):
             count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
         else:
             highest += ORDERS
         sums, scales, points = summed()
-        found = Refined(sums, before, scales, count, highest)
+        found = compared()
         open_ones = found.beyond(least)
         if not open_ones.any():
             finer = FINER[dimension] * count + 1
             if not peaks or (finer / count) ** dimension * points > MOST_POINTS[dimension]:
                 return found
-            before, count, highest = sums, finer, order
+            first, earlier, before, along = earlier, before, sums, count * highest
+            count, highest = finer, order
             sums, scales, points = summed()
-            found = Refined(sums, before, scales, count, highest)
+            found = compared()
             open_ones = found.beyond(least)
             if not open_ones.any():
                 return found
@@ -139,3 +153,13 @@ def refined(
                 "points differ; near= points where the function or the boundary varies fast may help"
             )
             return found
+
+
+def _apart(now: Floats, before: Floats, earlier: Floats, growth: float) -> Floats:
+    """How far the sum of the finer rule may be off, from the last three differences of sums.
+
+    Where they fall fast it is the last. Where they fall slowly, as powers of the points along a line do, what is still
+    to come adds up to more than that, and a small one may be chance.
+    """
+    slow = (now > SLOW * before) | (before > SLOW * earlier)
+    return np.where(slow, np.fmax(now, CHANCE * before) / (growth**POWER - 1), now)
