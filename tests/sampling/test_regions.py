@@ -18,6 +18,7 @@ from rsym.sampling.mesher import SharpMesher
 from rsym.sampling.regions import kept_regions
 from rsym.sampling.regions.kept_regions import MOST
 from rsym.sampling.regions.leaf_tapes import LeafTapes
+from rsym.sampling.regions.point_groups import by_number
 from rsym.sampling.regions.region_kernels import RegionKernels, region_kernels
 from rsym.sampling.regions.regions import INFINITE, MAX, MIN, MINUS_INFINITE, Regions, whole_form, without_idle
 
@@ -232,3 +233,14 @@ def test_a_sum_that_stands_in_both_orders_is_one_node():
     kernels.value(50, points, value, active)
     x_, y_, z_ = points[:, :50]
     np.testing.assert_allclose(value[:50] / kernels._given[1][0], np.exp(x_ + y_) + np.sin(x_ + y_) * z_, rtol=1e-13)
+
+
+@pytest.mark.parametrize("most", [3, 2**15, 2**20])
+def test_points_are_grouped_by_numbers_of_any_size(most):
+    numbers = np.random.default_rng(1).integers(-1, most, 3000)
+    which, begin, padded_places, places, order = by_number(numbers)
+    expected = [(n, k) for n, k in sorted(zip(numbers.tolist(), range(3000), strict=True)) if n >= 0]
+    assert [(n, k) for n, k in zip(numbers[order].tolist(), order.tolist(), strict=True)] == expected
+    assert which.tolist() == sorted({n for n, _ in expected})
+    assert (padded_places[places] == order).all()
+    assert (numbers[padded_places] == np.repeat(which, np.diff(begin))).all()

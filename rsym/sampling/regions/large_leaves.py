@@ -99,7 +99,7 @@ class LargeLeaves:
     def _of_one(self, kept: KeptRegions, points: Floats) -> Floats:
         """Value and gradient (4, n) of one leaf."""
         numbers, regions = kept.at(points)
-        which, begin, padded_places, places = by_number(numbers)
+        which, begin, padded_places, places, order = by_number(numbers)
         given = points.take(padded_places, axis=1)
         found, sorted_ones = np.empty((OUTPUTS, given.shape[1])), regions[which]
         sizes = len(given), OUTPUTS, given.shape[1]
@@ -113,7 +113,7 @@ class LargeLeaves:
                 *tapes_of(codes, aligned(codes.memory)),
             )  # fmt: skip
         result = np.empty((OUTPUTS, points.shape[1]))
-        result[:, padded_places[places]] = found[:, places]
+        result[:, order] = found[:, places]
         return result
 
 

@@ -297,9 +297,9 @@ class RegionKernels:
             return
         own = points[:, first : first + count]
         numbers, regions = self._kept.at(own)
-        which, begin, padded_places, places = by_number(numbers)
+        which, begin, padded_places, places, order = by_number(numbers)
         found, names = self.within(own.take(padded_places, axis=1), regions[which], begin)
-        value[first + padded_places[places]], leaf[first + padded_places[places]] = found[places], names[places]
+        value[first + order], leaf[first + order] = found[places], names[places]
 
     def within(self, points: Floats, regions: Regions, begin: Ints) -> tuple[Floats, Shorts]:
         """The form and its active leaf at points (3, n), those of region k from ``begin[k]`` on, in whole vectors."""
@@ -335,7 +335,7 @@ class RegionKernels:
 
     def _of_leaves(self, name: str, leaf: Shorts, inputs: Floats, outputs: int) -> tuple[Floats, Ints]:
         """Outputs of the leaf of each point that has one, and which points these are."""
-        which, begin, padded_places, places = by_number(leaf)
+        which, begin, padded_places, places, order = by_number(leaf)
         given = inputs.take(padded_places, axis=1)
         found = np.empty((outputs, given.shape[1]))
         codes = self._codes(name)
@@ -344,7 +344,7 @@ class RegionKernels:
         call(
             "leaves", 0, len(which), begin, given, *sizes, found, np.ascontiguousarray(codes.ends[which]), *tapes, room
         )
-        return found[:, places], padded_places[places]
+        return found.take(places, axis=1), order
 
     def slide(self, count: int, leaf: NDArray[np.int16], points: Floats, steps: int, first: int = 0) -> None:
         """Newton steps of each point onto its leaf, along the gradient."""
@@ -353,12 +353,12 @@ class RegionKernels:
         if self.in_parts:
             self._large.slide(numbers, points[:, own], steps)
             numbers = self._large.without_these(numbers)
-        which, begin, padded_places, places = by_number(numbers)
+        which, begin, padded_places, places, order = by_number(numbers)
         given = points[:, own].take(padded_places, axis=1)
         tapes, room = self._tapes_of("gradient", which)
         ends = self._codes("gradient").ends[which]
         call("slide", 0, len(which), begin, given, given.shape[1], steps, ends, *tapes, room)
-        points[:, first + padded_places[places]] = given[:, places]
+        points[:, first + order] = given[:, places]
 
     def _tapes_of(self, name: str, which: Ints) -> tuple[Sequence[Any], NDArray[np.uint8]]:
         """The tapes of leaves by their numbers."""
