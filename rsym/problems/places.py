@@ -21,7 +21,8 @@ from rsym.sampling.extent import extent
 from rsym.sampling.plane import surrounded
 from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.gaps import Gap, thin_gap
-from rsym.sampling.rules.quadrature import CellGrid, Quadrature, prepared
+from rsym.sampling.rules.portions import CellGrid
+from rsym.sampling.rules.quadrature import Quadrature, prepared
 
 # Of the size of the shape: points of the boundary are known to rounding.
 ON_BOUNDARY = 1e-12

@@ -15,7 +15,8 @@ from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.numbers import point
-from rsym.sampling.rules.quadrature import ORDER, RulePortion, prepared
+from rsym.sampling.rules.portions import RulePortion
+from rsym.sampling.rules.quadrature import ORDER, prepared
 from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
 
 INSIDE, BOUNDARY = "inside", "boundary"

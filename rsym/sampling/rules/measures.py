@@ -14,7 +14,8 @@ from rsym.model.shape import Shape
 from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.numbers import measured
 from rsym.reports.render import Report
-from rsym.sampling.rules.quadrature import ORDER, RulePortion, prepared
+from rsym.sampling.rules.portions import RulePortion
+from rsym.sampling.rules.quadrature import ORDER, prepared
 from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
 
 WORDS = {2: ("area", "length"), 3: ("volume", "surface")}

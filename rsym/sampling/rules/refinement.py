@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import warn
-from rsym.sampling.rules.quadrature import Prepared, RulePortion
+from rsym.sampling.rules.portions import RulePortion
+from rsym.sampling.rules.quadrature import Prepared
 
 # What is asked of a part of a rule: sums, and the sums of the absolute values of what is added.
 Quantities: TypeAlias = Callable[[RulePortion], tuple[Floats, Floats]]

@@ -1,0 +1,99 @@
+"""The rule of integration in some cells of a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from rsym.arrays import Floats, Ints
+from rsym.sampling.rules.bases import plane_rule
+from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule, tensor_rules
+from rsym.sampling.rules.division import CutPieces, Grading, Limits, close, divide, pieces_together, undivided
+from rsym.sampling.rules.space import space_rule
+
+PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
+LIMITS = {2: Limits(6, 44, 2.0), 3: Limits(5, 24, 3.0)}
+
+
+@dataclass(frozen=True)
+class CellGrid:
+    """Cubical cells; cell (i, j) has the number i*counts[1] + j.
+
+    Attributes
+    ----------
+    lower : (dim,)
+        The corner of the first cell.
+    size : float
+        The side of a cell.
+    counts : tuple of int
+        Cells along each axis.
+
+    Examples
+    --------
+    >>> grid = CellGrid(np.array([0.0, 1.0]), 0.5, (4, 3))
+    >>> grid.corners(np.array([4]))
+    (array([[0.5],
+           [1.5]]), array([[1.],
+           [2.]]))
+    """
+
+    lower: Floats
+    size: float
+    counts: tuple[int, ...]
+
+    def corners(self, cells: Ints) -> tuple[Floats, Floats]:
+        """The lower and the upper corners (dim, n) of cells; neighbours share them to the last bit."""
+        index = np.array(np.unravel_index(cells, self.counts))
+        return self.lower[:, None] + index * self.size, self.lower[:, None] + (index + 1) * self.size
+
+
+@dataclass(frozen=True)
+class RulePortion:
+    """The rule in some cells, those of them that are full, and the measure of what is not resolved."""
+
+    rule: CellRule
+    full: Ints
+    unresolved: float
+
+
+def rule_portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Grading) -> RulePortion:
+    """The rule in some cells."""
+    lower, upper = grid.corners(cells)
+    whole = undivided(lower, upper, cells, functions.count)
+    found = divide(functions, whole, LIMITS[functions.dimension], near)
+    rules = tensor_rules(found.lower, found.upper, found.owner, near.orders(found.lower, found.upper, grid.size, order))
+    unresolved = 0.0
+    for pieces in _at_once(found.cut):
+        orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
+        rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, orders)
+        rules.append(rule)
+        unresolved += part
+        unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
+    rule = rules_together(rules)
+    counts = np.searchsorted(rule.owner, cells, "right") - np.searchsorted(rule.owner, cells)
+    content = np.bincount(np.repeat(np.arange(len(cells)), counts), rule.weights, len(cells))
+    full = np.abs(content / np.prod(upper - lower, axis=0) - 1) < 1e-12
+    # A cell whose boundary is its own side came out in another order.
+    other = full & ~np.isin(cells, found.whole) & (counts == order**functions.dimension) & ~close(whole, near.points)
+    if other.any():
+        keep = ~np.repeat(other, counts)
+        plain = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
+        points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
+        rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
+    return RulePortion(rule, cells[full], unresolved)
+
+
+def _at_once(found: Sequence[CutPieces]) -> Iterator[CutPieces]:
+    """Pieces of several levels together, so that what is done for them is done once, but not too many."""
+    some: list[CutPieces] = []
+    for pieces in found:
+        if some and sum(map(len, some)) + len(pieces) > PIECES_AT_ONCE:
+            yield pieces_together(some)
+            some = []
+        if len(pieces):
+            some.append(pieces)
+    if some:
+        yield pieces_together(some)
