@@ -80,7 +80,8 @@ class Parts:
             compared = _Compared(self.shape, f, g, self.box)
             if (k := compared.worst(points, doubt)) is not None:
                 place = ", ".join(f"{value:.6g}" for value in points[k])
-                first, second = (f"{value:.10g}" for value in compared.at(points[k : k + 1])[:, 0])
+                both = compared.at(points[k : k + 1])[:, 0]
+                first, second = ("what is undefined" if np.isnan(value) else f"{value:.10g}" for value in both)
                 raise RsymError(
                     f"{_called(one)} and {_called(other)} meet at ({place}), where one is given {first}, the other "
                     f"{second}",
@@ -150,7 +151,7 @@ class _Compared:
         if lost.any():
             beside = [np.abs(self._difference(points[lost] + ASIDE * side * way)) for way in _ways(points.shape[1])]
             nearest = np.nan_to_num(np.array(beside), nan=np.inf).min(axis=0)
-            excess[lost] = np.where(np.isinf(nearest), -1.0, nearest - LOOSELY * size[lost])
+            excess[lost] = nearest - LOOSELY * size[lost]  # undefined all about too, they are refused
         k = int(excess.argmax())
         return k if excess[k] > 0 else None
 

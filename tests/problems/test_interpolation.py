@@ -150,7 +150,7 @@ def test_it_is_a_shape_in_the_bounds_of_the_shape():
         ),
         (CAP, {"ball": x, "floor": x + 0.001 * y}, r"'ball' and the part 'floor' meet"),
         (HALF, {"cut": y, ...: 2}, r"'cut' and the rest meet at \(0, -2\), where one is given -2, the other 2"),
-        (HALF, {"rim": sp.sin(x) / x, "cut": 1.01}, "nan, the other 1.01"),
+        (HALF, {"rim": sp.sin(x) / x, "cut": 1.01}, "what is undefined, the other 1.01"),
         (HALF, {"rim": 1 + 1e-7 * y, "cut": 1}, "meet"),
     ],
 )
@@ -249,3 +249,9 @@ def test_what_else_is_refused():
     assert raised.value.code == "unbounded"
     with pytest.raises(rsym.RsymError, match="the length must be positive"):
         rsym.interpolate(RING, {"rim": 1}, length=0)
+
+
+def test_data_that_are_undefined_where_parts_meet_are_refused():
+    half = rsym.disc(2).named("rim") & rsym.half_plane((1, 0), 0).named("cut")
+    with pytest.raises(rsym.RsymError, match="is given what is undefined, the other 0"):
+        rsym.interpolate(half, {"rim": sp.log(x - 1), "cut": 0})
