@@ -2,6 +2,7 @@
 
 import pytest
 import sympy as sp
+from oracles.tiers import of_the_day
 
 import rsym
 from rsym import conjunction, disjunction, x, y, z
@@ -61,7 +62,9 @@ def test_an_absorbed_leaf_takes_its_domain_along(second):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("place", "direction"),
-    [((0, 0), (sp.Rational(3, 5), sp.Rational(4, 5))), ((sp.Rational(1, 2), sp.Rational(-1, 3)), (1, 0))],
+    of_the_day(
+        [((0, 0), (sp.Rational(3, 5), sp.Rational(4, 5))), ((sp.Rational(1, 2), sp.Rational(-1, 3)), (1, 0))], 1
+    ),
 )
 def test_curves_that_touch_from_outside(place, direction):
     """n > a t**2 or n < b t**2: four half-branches if a > b, else all but one point; of "and" the other way round."""
