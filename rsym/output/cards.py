@@ -248,6 +248,11 @@ def draw_portrait(
     'QuadContourSet'
     """
     if isinstance(shape, GivenField):
+        if shape.shape.dimension == 3:
+            raise RsymError(
+                "a solution in space has no portrait", code="dimension",
+                remedy="plot_field(solution, section={z: 0}), or its shape, solution.shape",
+            )  # fmt: skip
         box = bounds_or_extent(shape.shape, bounds)
         return _draw_levels(shape, box, figure, place, replace(look, outside=look.outside or "mask"))
     box = bounds_or_extent(shape, bounds)

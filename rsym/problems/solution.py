@@ -12,6 +12,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
+from rsym.analysis.conditions import Clamped, Dirichlet, Robin
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.arguments import whole
@@ -326,6 +327,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
         dimension=problem.dimension,
         symmetric=problem.equation.symmetric,
         last=discrete.extra_count,
+        held=bool(problem.leaves(Dirichlet, Clamped)) and not problem.leaves(Robin),
     )
     inner = discrete.splines.extension.shape[1]
     told = reported(rule, cells, degree, found).of_corners(problem.corners)

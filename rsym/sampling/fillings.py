@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise, product
 
 import numpy as np
@@ -122,8 +122,19 @@ def _in_plane(shape: Shape, bounds: Bounds, resolution: int | Sequence[int]) -> 
     whole = inside[:-1, :-1] & inside[1:, :-1] & inside[1:, 1:] & inside[:-1, 1:]
     squares = _corner_numbers(np.argwhere(whole), inside.shape)
     chains = [chain for line, start in zip(edges, starts, strict=False) for chain in _chains(line, int(start))]
-    polygons = [*_cut_squares(chains, inside)]
-    onto = _moved(chains, points, sampler.lattice, inside)
+    while True:
+        made = _divided(chains, squares, points, sampler.lattice, inside)
+        turned = set(made.cells[made.sizes <= 0].ravel().tolist())
+        blunt = [one.blunt() if turned.intersection(one.points) else one for one in chains]
+        if blunt == chains:
+            return _without_idle(made)
+        chains = blunt
+
+
+def _divided(chains: Sequence[_Chain], squares: Ints, points: Floats, lattice: Lattice, inside: Flags) -> Filling:
+    """What is inside of the squares that chains cut, and of those whole inside, in triangles."""
+    polygons, squares = _disentangled([*_cut_squares(chains, inside)], squares, points)
+    onto = _moved(chains, points, lattice, inside)
     while True:
         places = np.where(onto < 0, np.arange(len(points)), onto)
         ears = [ear for polygon in polygons for ear in _ears(places[polygon].tolist(), points)]
@@ -131,7 +142,7 @@ def _in_plane(shape: Shape, bounds: Bounds, resolution: int | Sequence[int]) -> 
         flat = np.unique(cells[_shares(points[cells]) < FLAT])
         stay = np.isin(onto, flat)
         if not stay.any():
-            return _without_idle(Filling(points, cells))
+            return Filling(points, cells)
         onto[stay] = -1
 
 
@@ -148,6 +159,10 @@ class _Chain:
     enters: float
     leaves: float
     points: tuple[int, ...]
+
+    def blunt(self) -> _Chain:
+        """Without the corners on it: tips of an outline finer than the lattice may cross each other."""
+        return replace(self, points=(self.points[0], self.points[-1]))
 
 
 def _chains(edges: Floats, start: int) -> Iterator[_Chain]:
@@ -187,6 +202,50 @@ def _cut_squares(chains: Sequence[_Chain], inside: Flags) -> Iterator[list[int]]
                 left.remove(after)
                 here = after
             yield polygon
+
+
+def _disentangled(polygons: list[list[int]], squares: Ints, points: Floats) -> tuple[list[list[int]], Ints]:
+    """The same, but a polygon is joined to those, and to the squares, that a tip of its outline reaches into.
+
+    The tip of a notch may lie beyond the square whose edges the notch crosses: what is there is not whole inside.
+    """
+    tangled = [number for number, ring in enumerate(polygons) if any(_crossed_sides(ring, points))]
+    if not tangled:
+        return polygons, squares
+    rings: dict[int, list[int]] = dict(enumerate([*polygons, *squares.tolist()]))
+    owners = {(b, a): number for number, ring in rings.items() for a, b in _sides(ring)}
+    for number in tangled:
+        while number in rings:
+            across = ((a, b, owners.get((a, b), number)) for a, b in _crossed_sides(rings[number], points))
+            a, b, other = next((one for one in across if one[2] != number), (0, 0, number))
+            if other == number:
+                break
+            owners.update({(d, c): number for c, d in _sides(rings[other])})
+            rings[number] = _joined(rings[number], rings.pop(other), a, b)
+    count = len(polygons)
+    whole = np.isin(np.arange(count, count + len(squares)), list(rings))
+    return [ring for number, ring in rings.items() if number < count], squares[whole]
+
+
+def _sides(ring: list[int]) -> list[tuple[int, int]]:
+    return [(ring[k - 1], point) for k, point in enumerate(ring)]
+
+
+def _crossed_sides(ring: list[int], points: Floats) -> Iterator[tuple[int, int]]:
+    """Sides of a polygon that others of its sides cross."""
+    ends = [(complex(*points[a]), complex(*points[b])) for a, b in _sides(ring)]
+    for (a, b), side in zip(ends, _sides(ring), strict=True):
+        if any(_turn(a, b, c) * _turn(a, b, d) < 0 and _turn(c, d, a) * _turn(c, d, b) < 0 for c, d in ends):
+            yield side
+
+
+def _joined(ring: list[int], other: list[int], a: int, b: int) -> list[int]:
+    """Two polygons without the side ab of the first, which is ba in the other, and without other such pairs there."""
+    at, its = _sides(ring).index((a, b)), _sides(other).index((b, a))
+    made = [*ring[at:], *ring[:at], *other[its + 1 :], *other[:its]][:-1]
+    while (spike := next((k for k in range(len(made)) if made[k - 2] == made[k]), None)) is not None:
+        made = [point for k, point in enumerate(made) if k not in {(spike - 1) % len(made), spike}]
+    return made
 
 
 def _moved(chains: Sequence[_Chain], points: Floats, lattice: Lattice, inside: Flags) -> Ints:

@@ -174,6 +174,12 @@ def test_a_sweep_has_one_legend_of_its_parts_and_a_sweep_of_a_mode_is_refused():
         rsym.plot_sweep(drum.modes[0], r, [0.3], figure=matplotlib.figure.Figure(), resolution=24)
 
 
+def test_a_gallery_refuses_a_solution_in_space():
+    solution = rsym.solve(rsym.sphere(1), "-laplacian(u) = 6", 0, cells=4, degree=2)
+    with pytest.raises(rsym.RsymError, match="ball: a solution in space has no portrait"):
+        rsym.plot_gallery({"ball": solution})
+
+
 def test_a_gallery_shows_solutions_beside_shapes():
     figure = rsym.plot_gallery({"u": ROUND, "shape": RING}, figure=matplotlib.figure.Figure(figsize=(4, 2)))
     solution, shape = (contours(one) for one in figure.axes)

@@ -1,11 +1,14 @@
 """The inside in cells: as large as the polygons of the outline or as known bodies, each face of two cells, or outer."""
 
+from functools import reduce
+from operator import or_
+
 import numpy as np
 import pytest
 from oracles.closeness import assert_close
 
 import rsym
-from rsym import RsymError
+from rsym import RsymError, x, y
 from rsym.sampling.fillings import filling
 
 BOX = ((-1.1, 1.1), (-1.1, 1.1))
@@ -60,6 +63,20 @@ def test_a_square_of_the_lattice_with_two_pieces_of_an_outline():
         made = filling(PAIR.translate(shift, shift), ((-1.1, 1.1), (-1.1, 1.1)), 37)
         assert_fits(made)
         assert_close(made.sizes.sum(), 2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("resolution", [9, 14, 25])
+def test_the_tip_of_a_notch_reaches_into_squares_that_its_edges_do_not_cross(resolution):
+    notch = rsym.Shape(y + 6 * x + 0.3, (x, y)) & rsym.Shape(y - 6 * x + 0.3, (x, y))
+    made = filling((rsym.rectangle(1.4, 1.4) - notch).rotate(0.2), BOX, resolution)
+    assert_fits(made)
+    assert_close(made.sizes.sum(), 1.96 - 1 / 6, rtol=1e-12)
+
+
+def test_an_outline_finer_than_the_lattice_turns_no_cell_over():
+    bars = [rsym.rectangle(0.9, 0.06).rotate(0.4 * k).translate(0.1 * k, 0.05) for k in range(5)]
+    for resolution in (17, 29):
+        assert_fits(filling(reduce(or_, bars, rsym.disc(0.3)), BOX, resolution))
 
 
 def test_triangles_are_not_flat():

@@ -126,6 +126,15 @@ def test_what_touches_crosses_or_ends_in_points():
     assert max(errors(node, 2, lemniscate, cells=16)) < 1e-10
 
 
+def test_the_last_pieces_at_a_cusp_hold_no_more_boundary_than_their_sides():
+    """A deltoid: where its gradient is nearly 0 a piece of a side of 1e-13 held a length of 46."""
+    square = x**2 + y**2
+    deltoid = plane(27 - square**2 - 18 * square + 8 * (x**3 - 3 * x * y**2), bounds=((-4, 4), (-4, 4)))
+    found = rsym.measure(deltoid)
+    assert abs(found.boundary - 16) < found.boundary.error < 0.4
+    assert abs(found.content - 2 * math.pi) < found.content.error
+
+
 def test_small_and_thin_things_are_found():
     speck = plane(1e-8 - (x - 0.3) ** 2 - (y - 0.03) ** 2, bounds=((-1, 1), (-1, 1)))
     rule = rsym.quadrature(speck, cells=4)

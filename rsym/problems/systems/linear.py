@@ -30,6 +30,9 @@ MOST_STEPS = 5000
 # The share of an answer that a step of refinement may change, and of the right side that may be left: systems of
 # splines have up to 1e-10, singular ones more than 1e-3.
 UNSURE = 1e-6
+# Splines that reach far beyond thin parts of a shape are nearly made up by others: a step changes their numbers by up
+# to this share, though not what they add up to.
+FAINT = 1e-4
 DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
 BLOCKS = 8  # of rows that threads may share
 MOST_SHIFTS = 30
@@ -81,12 +84,14 @@ def solve_system(
     dimension: int,
     symmetric: bool = True,
     last: int = 0,
+    held: bool = False,
 ) -> Solved:
     """The solution: by factors of a small system or an indefinite one, else by conjugate gradients.
 
     Of one that is not symmetric by gradients conjugated and stabilised, and by factors where these are slow.
 
     last : of so many unknowns at the end those are 0 whose functions the others make up but for rounding.
+    held : conditions fix the solution, so what is not sure is what functions share of it.
     """
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
@@ -102,12 +107,12 @@ def solve_system(
         made, steps = _stabilised(scaled, wanted)
         found = made
         if not _norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
-            found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
+            found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
             steps = 0
     else:
-        found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
+        found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
     if found is None:
-        return _without(matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric)
+        return _without(matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric, held=held)
     residual = _norm(wanted - scaled @ found) / size
     if not residual <= UNSURE:
         raise nearly_singular()
@@ -115,7 +120,7 @@ def solve_system(
 
 
 def _by_factors(
-    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int
+    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int, held: bool
 ) -> tuple[Floats | None, float | None]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
@@ -133,9 +138,10 @@ def _by_factors(
     # are nearly made up by others, it is large in what amounts to nothing: by its energy it is small. That of an
     # answer which is not sure is small too; then the first unknowns alone have none.
     unsure = _norm(correction) / _norm(found)
-    if last and definite and unsure > UNSURE:
-        first = slice(len(right) - last)
-        solve_system(matrix[first, first], right[first], definite=True, dimension=dimension)
+    if definite and unsure > UNSURE and (last or (held and unsure <= FAINT)):
+        if last:
+            first = slice(len(right) - last)
+            solve_system(matrix[first, first], right[first], definite=True, dimension=dimension, held=held)
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
     if not unsure <= UNSURE:
         return None, None
@@ -146,7 +152,7 @@ def _by_factors(
 
 
 def _without(
-    matrix: sparse.csr_matrix, right: Floats, last: int, *, definite: bool, dimension: int, symmetric: bool
+    matrix: sparse.csr_matrix, right: Floats, last: int, *, definite: bool, dimension: int, symmetric: bool, held: bool
 ) -> Solved:
     """The solution where those of the last unknowns are 0 that others make up for; refused if none of them is such."""
     scale = sparse.diags(scales(matrix))
@@ -154,10 +160,10 @@ def _without(
     if own.all():
         raise nearly_singular()
     kept = np.append(np.ones(len(right) - last, np.bool_), own)
-    count = int(own.sum())
     some = solve_system(
-        matrix[kept][:, kept], right[kept], definite=definite, dimension=dimension, symmetric=symmetric, last=count
-    )
+        matrix[kept][:, kept], right[kept],
+        definite=definite, dimension=dimension, symmetric=symmetric, last=int(own.sum()), held=held,
+    )  # fmt: skip
     values = np.zeros_like(right)
     values[kept] = some.values
     return replace(some, values=values)
@@ -192,7 +198,8 @@ def nearly_singular() -> RsymError:
         "the system is nearly singular: its answer would be rounding",
         code="singular",
         remedy="give a condition that fixes the solution, a value on some part or rsym.robin with a coefficient above "
-        "0; a term c*u with c near minus an eigenvalue, see modes, has no single answer",
+        "0; a term c*u with c near minus an eigenvalue, see modes, has no single answer; where a part of the shape is "
+        "thinner than a cell, a lower degree= or smaller cells",
     )
 
 

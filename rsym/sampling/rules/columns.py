@@ -145,14 +145,17 @@ class Columns:
         _, gradient = self.functions.evaluate(np.where(leaf < 0, ~leaf, leaf), edge_points)
         with np.errstate(all="ignore"):
             longer = np.sqrt((gradient**2).sum(axis=0)) / np.abs(along(gradient, self.pieces.axis[own]))
-        # At a node the last pieces, as small as they become, hold boundary without a slope.
-        kept = np.isfinite(longer) | self.pieces.proved[own]
+        # At a node or cusp the last pieces, as small as they become, hold boundary with hardly a slope, or without.
+        proved, size = self.pieces.proved[own], np.max(self.pieces.upper - self.pieces.lower, axis=0)[own]
+        kept = np.isfinite(longer) | proved
+        share = edges.weight * longer
+        share = np.where(proved, share, np.minimum(share, size ** (len(edge_points) - 1)))
         return CellRule(
             points,
             weights,
             owner,
             np.concatenate([edge_points[:, kept], wall_points], axis=1),
-            np.concatenate([(edges.weight * longer)[kept], wall_weights]),
+            np.concatenate([share[kept], wall_weights]),
             np.concatenate([leaf[kept], wall_leaf]),
             np.concatenate([self.pieces.owner[own[kept]], wall_owner]),
         )
