@@ -239,7 +239,7 @@ class Discretisation:
             if isinstance(name, str) and name != BOUNDARY:
                 on_part(problem, self.rule.boundary.leaves, name)
         parts = leaf_parts(problem.form, problem.shape)
-        terms = {leaf: equation.on_leaf(parts[leaf]) for leaf in range(len(problem.conditions))}
+        terms = {leaf: equation.on_leaf(parts[origin]) for leaf, origin in enumerate(problem.origins)}
         return {leaf: one for leaf, one in terms.items() if one.form or one.load}
 
     def _edge_part(self, where: CellPoints, weights: Floats, terms: FormTerms, normals: Floats) -> EdgePart:

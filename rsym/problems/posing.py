@@ -18,7 +18,7 @@ from rsym.problems.loops import holes
 from rsym.problems.places import relettered
 from rsym.problems.pointwise import compiled
 from rsym.problems.problem import VALUED, Problem, with_corners
-from rsym.problems.switches import cut_conditions
+from rsym.problems.switches import cut_conditions, located
 
 # Places along an axis, in shares of the size of a shape.
 PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
@@ -49,6 +49,7 @@ def posed(problem: Problem) -> Problem:
         conditions[leaf] = None
     unknown = [leaf for leaf, one in enumerate(conditions) if isinstance(one, UnknownLevel)]
     every, cuts = cut_conditions(problem.shape, conditions, problem.order)
+    cuts = located(problem.shape, problem.form, cuts)
     return replace(problem, conditions=every, levels=holes(problem.shape, unknown), corners=None, cuts=cuts)
 
 

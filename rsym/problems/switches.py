@@ -6,6 +6,7 @@ where c < 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -29,13 +30,16 @@ from rsym.sampling.rules.quadrature import Quadrature
 
 ASIDE = 1e-6  # of the size of a shape: where is looked which condition holds beside a point
 NEAR = 1e-9  # of it: points that are one
+MOST_POINTS = 64  # between conditions on one leaf: more are those of a function that is 0 along it
+FLAT = 1e-6  # of usual slopes
 
 
 class EdgeCut(NamedTuple):
-    """A leaf, and the function whose sign tells which of two conditions holds."""
+    """A leaf, the function whose sign tells which of two conditions holds, and the points (n, 2) of it between both."""
 
     leaf: int
     where: sp.Expr
+    points: Floats = np.empty((0, 2))
 
 
 def cut_conditions(
@@ -55,6 +59,75 @@ def cut_conditions(
             remedy="make a part of its own of what has another condition",
         )
     return (*inside, *outside), tuple(cuts)
+
+
+def located(shape: Shape, form: SignForm, cuts: Sequence[EdgeCut]) -> tuple[EdgeCut, ...]:
+    """The cuts with their points, their functions times powers of 2: along edges they grow as leaves do across.
+
+    Of others the weights of both leaves are as good as 0, or have large derivatives, about all of the points.
+
+    Raises
+    ------
+    RsymError
+        For a function that is 0 along an edge, or changes its sign on it without a slope.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym.logic.sign_form import shape_form
+    >>> (cut,) = located(rsym.disc(1), shape_form(rsym.disc(1)), [EdgeCut(0, 1000 * rsym.x)])
+    >>> cut.where, sorted(cut.points.round(9).tolist())
+    (125*x/128, [[0.0, -1.0], [0.0, 1.0]])
+    """
+    if not cuts:
+        return ()
+    split, first, box = split_form(form, cuts), len(form.leaves) + len(cuts), bounds_or_extent(shape, None)
+    size, found = float(np.diff(box, axis=1).max()), []
+    for k, cut in enumerate(cuts):
+        places = Places(shape, split, box, ((cut.leaf,), (first + k,)))
+        points = _distinct(places.meeting(0, 1)[0], NEAR * size)
+        slopes = places.at(points)[1]
+        across, where = slopes[cut.leaf], slopes[first + k]
+        steep = np.linalg.norm(across, axis=1)
+        tangents = np.stack([-across[:, 1], across[:, 0]], axis=1) / steep[:, None]
+        growth = np.abs(np.sum(where * tangents, axis=1)) / steep
+        flat = growth <= FLAT * _usual(np.linalg.norm(places.at(_lattice(box))[1][first + k], axis=1)) / steep
+        ways = ASIDE * size * tangents
+        before, behind = (places.at(points + way)[0][first + k] for way in (-ways, ways))
+        wrong = flat & (np.sign(before) != np.sign(behind))
+        if len(points) > MOST_POINTS or wrong.any():
+            place = ", ".join(f"{value:.6g}" for value in points[int(np.argmax(wrong))])
+            raise RsymError(
+                f"what tells where conditions change has no slope along the edge at ({place})",
+                code="condition",
+                remedy="give a shape whose boundary crosses the edge: x instead of x**3; a corner needs no switch",
+            )
+        power = -round(math.log2(float(np.median(growth[~flat])))) if not flat.all() else 0
+        found.append(EdgeCut(cut.leaf, cut.where * sp.Integer(2) ** power, points))
+    return tuple(found)
+
+
+def _distinct(points: Floats, near: float) -> Floats:
+    """Each of some points once."""
+    kept: list[Floats] = []
+    for point in points:
+        if all(np.hypot(*(point - other)) > near for other in kept):
+            kept.append(point)
+            if len(kept) > MOST_POINTS:
+                break
+    return np.array(kept).reshape(-1, 2)
+
+
+def _lattice(box: Bounds) -> Floats:
+    """Some points (n, 2) of a box."""
+    axes = np.meshgrid(*(np.linspace(low, high, 7)[1:-1] for low, high in box))
+    return np.stack([axis.ravel() for axis in axes], axis=1)
+
+
+def _usual(sizes: Floats) -> float:
+    """The median of those that are numbers; 0 of none."""
+    known = sizes[np.isfinite(sizes)]
+    return float(np.median(known)) if len(known) else 0.0
 
 
 def split_form(form: SignForm, cuts: Sequence[EdgeCut]) -> SignForm:
@@ -97,20 +170,6 @@ class Switches:
     conditions: tuple[BoundaryCondition | None, ...]
 
     @cached_property
-    def points(self) -> tuple[Floats, ...]:
-        """Where conditions change, (n, 2) of each cut."""
-        return tuple(self._points(k) for k in range(len(self.cuts)))
-
-    def _points(self, k: int) -> Floats:
-        pair = (self.cuts[k].leaf,), (len(self.conditions) + k,)
-        found = Places(self.shape, self.form, self._box, pair).meeting(0, 1)[0]
-        kept: list[Floats] = []
-        for point in found:
-            if all(np.hypot(*(point - other)) > NEAR * self._size for other in kept):
-                kept.append(point)
-        return np.array(kept).reshape(-1, 2)
-
-    @cached_property
     def _box(self) -> Bounds:
         return bounds_or_extent(self.shape, None)
 
@@ -142,19 +201,19 @@ class Switches:
             natural = self.is_natural(corner.leaves[0], first), self.is_natural(corner.leaves[1], second)
             own.append(replace(corner, natural=natural))
         places = []
-        for k, cut in enumerate(self.cuts):
-            for point in self.points[k]:
+        for cut in self.cuts:
+            for point in cut.points:
                 (plain,) = flat_corners(self.shape, [(point, cut.leaf, (False, False))])
                 first, second = (self.is_natural(cut.leaf, point + step * edge) for edge in plain.edges)
                 if first != second:
                     places.append(replace(plain, natural=(first, second)))
-        ends = np.concatenate([np.empty((0, 2)), *self.points])
+        ends = np.concatenate([np.empty((0, 2)), *(cut.points for cut in self.cuts)])
         return tuple(replace(one, reach=min(one.reach, _nearest(one.point, ends))) for one in (*own, *places))
 
     def graded(self, near: Grading | None) -> Grading:
         """Towards the points where conditions change too: weights have roots there."""
         points, rates = (np.empty((0, 2)), np.empty(0)) if near is None else (near.points, near.exponents)
-        more = [one for row in self.points for one in row if not (points == one).all(axis=1).any()]
+        more = [one for cut in self.cuts for one in cut.points if not (points == one).all(axis=1).any()]
         return Grading(np.vstack([points, *more]), np.append(rates, np.ones(len(more))))
 
     def relabelled(self, rule: Quadrature) -> Quadrature:
