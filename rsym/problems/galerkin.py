@@ -269,7 +269,8 @@ class Discretisation:
     def require_level(self) -> None:
         """Refuse a problem whose solutions differ by constants, whatever makes its coefficients 0."""
         problem = self.problem
-        fixed = problem.leaves(Dirichlet, Clamped, Supported) or any(part.holds_level for part in self.edge_parts)
+        valued = np.isin(self.rule.boundary.leaves, problem.leaves(Dirichlet, Clamped, Supported))
+        fixed = valued.any() or any(part.holds_level for part in self.edge_parts)
         if problem.equation.order != 2 or fixed:
             return
         values = dict(zip(problem.equation.expressions, problem.coefficients(self.rule.points), strict=True))

@@ -7,16 +7,18 @@ where c < 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
+from scipy.spatial import cKDTree
 
 from rsym.analysis.conditions import BoundaryCondition, Dirichlet, Switched
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
+from rsym.backends.kernel import compile as compile_shape
 from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate, SignForm
 from rsym.model.shape import Bounds, Shape
@@ -25,21 +27,76 @@ from rsym.problems.meetings import Places
 from rsym.problems.pointwise import PointFormulas, compiled
 from rsym.program.lowering import lower
 from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.plane_leaves import active_leaf
 from rsym.sampling.rules.division import Grading
-from rsym.sampling.rules.quadrature import Quadrature
+from rsym.sampling.rules.quadrature import Quadrature, prepared
 
 ASIDE = 1e-6  # of the size of a shape: where is looked which condition holds beside a point
 NEAR = 1e-9  # of it: points that are one
 MOST_POINTS = 64  # between conditions on one leaf: more are those of a function that is 0 along it
 FLAT = 1e-6  # of usual slopes
+ON_EDGE = 1e-2  # of a step along an edge: how far from it is on it
+COARSE = 32  # cells of a rule that tells which conditions hold on an edge
+HALVINGS, JUMP = 40, 1e-3
 
 
 class EdgeCut(NamedTuple):
-    """A leaf, the function whose sign tells which of two conditions holds, and the points (n, 2) of it between both."""
+    """A leaf, the function whose sign tells which of two conditions holds, and the points (n, 2) where it is 0.
+
+    crosses : whether it changes its sign on the edge at one of them, and not at its ends alone.
+    """
 
     leaf: int
     where: sp.Expr
     points: Floats = np.empty((0, 2))
+    crosses: bool = True
+
+
+def placed_conditions(
+    shape: Shape, form: SignForm, conditions: Sequence[BoundaryCondition | None], order: int
+) -> tuple[tuple[BoundaryCondition | None, ...], tuple[EdgeCut, ...]]:
+    """As `cut_conditions`, the cuts `located`; a leaf on which nothing changes has the condition that holds on it.
+
+    Raises
+    ------
+    RsymError
+        For a function that jumps from one sign to the other on an edge, too.
+    """
+    every, cuts = cut_conditions(shape, conditions, order)
+    cuts = located(shape, form, cuts)
+    if all(cut.crosses for cut in cuts):
+        return every, cuts
+    boundary, own = prepared(shape, None, None).rule(COARSE, 2).boundary, [*conditions]
+    for k, cut in enumerate(cuts):
+        points = boundary.points[boundary.leaves == cut.leaf]
+        if cut.crosses or not len(points):
+            continue
+        kernel = compile_shape(shape.replace(expression=cut.where), backend="numpy")
+        within = kernel(*points.T)["value"] > 0
+        if within.all() or not within.any():
+            own[cut.leaf] = every[cut.leaf] if within.all() else every[len(conditions) + k]
+        else:
+            _require_zero(lambda one, kernel=kernel: float(kernel(*one)["value"]), points, within)
+    every, left = cut_conditions(shape, own, order)
+    return every, tuple(cut for cut in cuts if any(cut.leaf == one.leaf for one in left))
+
+
+def _require_zero(where: Callable[[Floats], float], points: Floats, within: Flags) -> None:
+    """Refuse a function that has no zero between the points, next to each other, at which its signs differ."""
+    away, nearest = cKDTree(points[~within]).query(points[within])
+    first = int(np.argmin(away))
+    one, other = points[within][first], points[~within][nearest[first]]
+    ends = abs(where(one) - where(other))
+    for _ in range(HALVINGS):
+        middle = (one + other) / 2
+        one, other = (middle, other) if where(middle) > 0 else (one, middle)
+    if abs(where(one) - where(other)) > JUMP * ends:
+        place = ", ".join(f"{value:.6g}" for value in one)
+        raise RsymError(
+            f"what tells where conditions change jumps at ({place})",
+            code="condition",
+            remedy="give a shape whose boundary crosses the edge: x instead of sign(x)",
+        )
 
 
 def cut_conditions(
@@ -94,7 +151,8 @@ def located(shape: Shape, form: SignForm, cuts: Sequence[EdgeCut]) -> tuple[Edge
         flat = growth <= FLAT * _usual(np.linalg.norm(places.at(_lattice(box))[1][first + k], axis=1)) / steep
         ways = ASIDE * size * tangents
         before, behind = (places.at(points + way)[0][first + k] for way in (-ways, ways))
-        wrong = flat & (np.sign(before) != np.sign(behind))
+        changes = np.sign(before) != np.sign(behind)
+        wrong = flat & changes
         if len(points) > MOST_POINTS or wrong.any():
             place = ", ".join(f"{value:.6g}" for value in points[int(np.argmax(wrong))])
             raise RsymError(
@@ -103,7 +161,10 @@ def located(shape: Shape, form: SignForm, cuts: Sequence[EdgeCut]) -> tuple[Edge
                 remedy="give a shape whose boundary crosses the edge: x instead of x**3; a corner needs no switch",
             )
         power = -round(math.log2(float(np.median(growth[~flat])))) if not flat.all() else 0
-        found.append(EdgeCut(cut.leaf, cut.where * sp.Integer(2) ** power, points))
+        own = [active_leaf(form.gates, [*places.at(points + way)[0][: len(form.leaves)]])[0] for way in (-ways, ways)]
+        on_edge = np.all(np.abs(own) <= ON_EDGE * ASIDE * size * steep, axis=0)
+        crosses = bool(np.any(changes & on_edge))
+        found.append(EdgeCut(cut.leaf, cut.where * sp.Integer(2) ** power, points, crosses))
     return tuple(found)
 
 
