@@ -29,7 +29,7 @@ SMALL = 1e-13
 MOST_STEPS = 5000
 # The share of an answer that a step of refinement may change, and of the right side that may be left: systems of
 # splines have up to 1e-10, singular ones more than 1e-3.
-UNSURE = 1e-6
+UNSURE, SINGULAR = 1e-6, 1e-3
 DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
 BLOCKS = 8  # of rows that threads may share
 MOST_SHIFTS = 30
@@ -102,10 +102,14 @@ def solve_system(
         made, steps = _stabilised(scaled, wanted)
         found = made
         if not _norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
-            found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
+            found, _ = _by_factors(
+                scaled, wanted, definite=definite, dimension=dimension, symmetric=symmetric, last=last
+            )
             steps = 0
     else:
-        found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
+        found, condition = _by_factors(
+            scaled, wanted, definite=definite, dimension=dimension, symmetric=symmetric, last=last
+        )
     if found is None:
         return _without(matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric)
     residual = _norm(wanted - scaled @ found) / size
@@ -115,7 +119,7 @@ def solve_system(
 
 
 def _by_factors(
-    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int
+    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, symmetric: bool, last: int
 ) -> tuple[Floats | None, float | None]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
@@ -133,9 +137,9 @@ def _by_factors(
     # are nearly made up by others, it is large in what amounts to nothing: by its energy it is small. That of an
     # answer which is not sure is small too; then the first unknowns alone have none.
     unsure = _norm(correction) / _norm(found)
-    if last and definite and unsure > UNSURE:
-        first = slice(len(right) - last)
-        solve_system(matrix[first, first], right[first], definite=True, dimension=dimension)
+    first = slice(len(right) - last)
+    if last and unsure > UNSURE and (definite or unsure < SINGULAR or _coercive(matrix[first, first])):
+        solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension, symmetric=symmetric)
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
     if not unsure <= UNSURE:
         return None, None
@@ -143,6 +147,14 @@ def _by_factors(
         return found + correction, None
     largest, inverse = (_largest(product, len(right)) for product in (matrix.__matmul__, factors.solve))
     return found + correction, largest * inverse
+
+
+def _coercive(matrix: sparse.csr_matrix) -> bool:
+    """Whether the symmetric part of a matrix is definite: the pivots are all positive."""
+    try:
+        return bool((factored(((matrix + matrix.T) / 2).tocsr()).U.diagonal() > 0).all())
+    except RsymError:
+        return False
 
 
 def _without(
