@@ -7,7 +7,7 @@ where c < 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from rsym.analysis.conditions import BoundaryCondition, Dirichlet, Switched
 from rsym.arrays import Flags, Floats
+from rsym.backends.kernel import Kernel
 from rsym.backends.kernel import compile as compile_shape
 from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate, SignForm
@@ -76,13 +77,17 @@ def placed_conditions(
         if within.all() or not within.any():
             own[cut.leaf] = every[cut.leaf] if within.all() else every[len(conditions) + k]
         else:
-            _require_zero(lambda one, kernel=kernel: float(kernel(*one)["value"]), points, within)
+            _require_zero(kernel, points, within)
     every, left = cut_conditions(shape, own, order)
     return every, tuple(cut for cut in cuts if any(cut.leaf == one.leaf for one in left))
 
 
-def _require_zero(where: Callable[[Floats], float], points: Floats, within: Flags) -> None:
+def _require_zero(kernel: Kernel, points: Floats, within: Flags) -> None:
     """Refuse a function that has no zero between the points, next to each other, at which its signs differ."""
+
+    def where(point: Floats) -> float:
+        return float(kernel(*point)["value"])
+
     away, nearest = cKDTree(points[~within]).query(points[within])
     first = int(np.argmin(away))
     one, other = points[within][first], points[~within][nearest[first]]

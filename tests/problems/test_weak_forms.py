@@ -378,6 +378,15 @@ def test_conditions_on_fluxes_and_loads_with_u_are_refused():
         rsym.solve_form(square, {"inside": laplace, "far": lambda u, v, w: u * v}, one, {...: 0}, cells=6)
 
 
+def test_data_that_are_undefined_are_told_with_a_place():
+    with pytest.raises(rsym.RsymError, match=r"'f' is undefined at \(-"):
+        rsym.solve_form(RIM, laplace, lambda v, w: np.sqrt(w.x[0]) * v, 0, cells=6)
+    with pytest.raises(rsym.RsymError, match=r"on the boundary is undefined at \(-"):
+        rsym.solve_form(RIM, laplace, {"rim": lambda v, w: np.log(w.x[0]) * v}, {"rim": 0}, cells=6)
+    with pytest.raises(rsym.RsymError, match=r"on the boundary is undefined at \(-"):
+        rsym.solve(RIM, "-laplacian(u) = 1", rsym.robin(1, sp.log(x)), cells=6)
+
+
 def test_a_system_whose_answer_would_be_rounding_is_refused():
     def turned(u, v, w):
         return laplace(u, v, w) + u * v.x  # not of constant v
@@ -386,6 +395,7 @@ def test_a_system_whose_answer_would_be_rounding_is_refused():
         rsym.solve_form(RIM, turned, one, cells=6)
 
 
+@pytest.mark.slow
 def test_corner_functions_that_splines_nearly_make_up_refuse_no_problem_that_is_not_symmetric():
     """u = exp(5*x/2)*w, w of an equation that is symmetric; each solution has an error of its own."""
     shape = rsym.rectangle(2, 2) - rsym.rectangle(1, 1, (0.5, 0.5))

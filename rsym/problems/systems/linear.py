@@ -102,14 +102,10 @@ def solve_system(
         made, steps = _stabilised(scaled, wanted)
         found = made
         if not _norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
-            found, _ = _by_factors(
-                scaled, wanted, definite=definite, dimension=dimension, symmetric=symmetric, last=last
-            )
+            found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
             steps = 0
     else:
-        found, condition = _by_factors(
-            scaled, wanted, definite=definite, dimension=dimension, symmetric=symmetric, last=last
-        )
+        found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last)
     if found is None:
         return _without(matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric)
     residual = _norm(wanted - scaled @ found) / size
@@ -119,7 +115,7 @@ def solve_system(
 
 
 def _by_factors(
-    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, symmetric: bool, last: int
+    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int
 ) -> tuple[Floats | None, float | None]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
@@ -139,7 +135,7 @@ def _by_factors(
     unsure = _norm(correction) / _norm(found)
     first = slice(len(right) - last)
     if last and unsure > UNSURE and (definite or unsure < SINGULAR or _coercive(matrix[first, first])):
-        solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension, symmetric=symmetric)
+        solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension)
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
     if not unsure <= UNSURE:
         return None, None
