@@ -21,7 +21,7 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_parts
 from rsym.model.symbols import real_symbol
 from rsym.problems.plates import bending
-from rsym.problems.pointwise import formulas
+from rsym.problems.pointwise import formulas, require_numbers
 from rsym.problems.problem import Problem, on_part, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
@@ -167,7 +167,10 @@ class Discretisation:
     def _coefficients(self, points: Floats) -> dict[str, Floats]:
         """The coefficients of the equation at points, by name; those that are the same everywhere at one."""
         some = points[:1] if self._constant else points
-        return dict(zip(self.problem.equation.expressions, self.problem.coefficients(some), strict=True))
+        found = dict(zip(self.problem.equation.expressions, self.problem.coefficients(some), strict=True))
+        for name, values in found.items():
+            require_numbers(f"the coefficient {name!r}", values, some)
+        return found
 
     def _require_elliptic(self, values: Mapping[str, Floats], points: Floats) -> None:
         dimension, equation = self.problem.dimension, self.problem.equation
@@ -220,10 +223,14 @@ class Discretisation:
             condition = problem.conditions[leaf]
             if leaf in terms:
                 found.append(self._edge_part(where, weights, terms[leaf], boundary.normals[on]))
+                for values in (*found[-1].form.values(), *found[-1].load.values()):
+                    require_numbers("what is given on the boundary", values, where.points)
             elif isinstance(condition, Robin):
                 both = [
                     value_at(problem.shape, value, where.points) for value in (condition.coefficient, condition.flux)
                 ]
+                for values in both:
+                    require_numbers("what is given on the boundary", values, where.points)
                 # du/dn is along A n: the flux of the equation is A grad u . n.
                 weights = weights * self._conductivity(where.points)
                 found.append(EdgePart(where, {(0, 0): weights * both[0]}, {0: weights * both[1]}, self.kinds))
@@ -239,7 +246,7 @@ class Discretisation:
             if isinstance(name, str) and name != BOUNDARY:
                 on_part(problem, self.rule.boundary.leaves, name)
         parts = leaf_parts(problem.form, problem.shape)
-        terms = {leaf: equation.on_leaf(parts[leaf]) for leaf in range(len(problem.conditions))}
+        terms = {leaf: equation.on_leaf(parts[origin]) for leaf, origin in enumerate(problem.origins)}
         return {leaf: one for leaf, one in terms.items() if one.form or one.load}
 
     def _edge_part(self, where: CellPoints, weights: Floats, terms: FormTerms, normals: Floats) -> EdgePart:
@@ -269,7 +276,8 @@ class Discretisation:
     def require_level(self) -> None:
         """Refuse a problem whose solutions differ by constants, whatever makes its coefficients 0."""
         problem = self.problem
-        fixed = problem.leaves(Dirichlet, Clamped, Supported) or any(part.holds_level for part in self.edge_parts)
+        valued = np.isin(self.rule.boundary.leaves, problem.leaves(Dirichlet, Clamped, Supported))
+        fixed = valued.any() or any(part.holds_level for part in self.edge_parts)
         if problem.equation.order != 2 or fixed:
             return
         values = dict(zip(problem.equation.expressions, problem.coefficients(self.rule.points), strict=True))

@@ -8,8 +8,8 @@ boundary.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
 
@@ -42,6 +42,8 @@ NEAR_ENOUGH = 1e-7  # of the box: points that are taken for one
 class Places:
     """Where parts of the boundary of a shape, sets of leaves, are within a box, letters at their defaults.
 
+    between : of two leaves with one formula, in both orders, that whose zeros are between them.
+
     Examples
     --------
     >>> import rsym
@@ -56,6 +58,7 @@ class Places:
     form: SignForm
     box: Bounds
     parts: tuple[tuple[int, ...], ...]
+    between: Mapping[tuple[int, int], int] = field(default_factory=dict)
 
     def of(self, part: int) -> Floats:
         """Some points (n, dim) of a part, by its number, within the box; none if it has none there."""
@@ -80,7 +83,7 @@ class Places:
             outputs |= {f"{number} {axis}": node for axis, node in enumerate(gradient(b, leaf))}
         return compile_program(b.program(outputs), (), self.shape, backend="numpy")
 
-    def _at(self, points: Floats) -> tuple[Floats, Floats]:
+    def at(self, points: Floats) -> tuple[Floats, Floats]:
         """The values (leaves, n) and the gradients (leaves, n, dim) at points (n, dim)."""
         kernel = self._leaves
         out = np.empty((len(kernel.program.outputs), len(points)))
@@ -138,17 +141,19 @@ class Places:
     def _newton(self, leaves: Sequence[int], boxes: Boxes) -> Floats:
         """From the middle of boxes to the common zeros of leaves that are on the boundary, each with its last step."""
         points, chosen = boxes.centres.T.copy(), list(leaves)
+        if (leaves[0], leaves[-1]) in self.between:
+            chosen[-1] = self.between[leaves[0], leaves[-1]]
         reach = boxes.sides.max(axis=0)
         step = np.zeros_like(points)
         with np.errstate(all="ignore"):
             for _ in range(STEPS if len(boxes) else 0):
-                values, slopes = (rows[chosen] for rows in self._at(points))
+                values, slopes = (rows[chosen] for rows in self.at(points))
                 step = _least(values.T, np.moveaxis(slopes, 0, 1))
                 step *= np.minimum(1, reach / np.linalg.norm(step, axis=1))[:, None]
                 points = points - step
                 if not (np.abs(step) > ROUNDING * self._size).any():
                     break
-            values, slopes = self._at(points)
+            values, slopes = self.at(points)
             away = np.abs(values[chosen]).max(axis=0)
             value, _ = active_leaf(self.form.gates, list(values))
             speed = np.linalg.norm(slopes[chosen], axis=2).max(axis=0)

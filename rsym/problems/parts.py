@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
 from typing import Any
@@ -33,16 +33,17 @@ LATTICE = 5  # points along each axis that tell the size of data
 
 @dataclass(frozen=True)
 class Parts:
-    """Sets of leaves of a shape by name, those that nothing is said of left out."""
+    """Sets of leaves of a shape by name, those that nothing is said of left out; `between` as of `Places`."""
 
     shape: Shape
     leaves: Mapping[Name, Sequence[int]]
     form: SignForm
     box: Bounds
+    between: Mapping[tuple[int, int], int] = field(default_factory=dict)
 
     @cached_property
     def _places(self) -> Places:
-        return Places(self.shape, self.form, self.box, tuple(map(tuple, self.leaves.values())))
+        return Places(self.shape, self.form, self.box, tuple(map(tuple, self.leaves.values())), self.between)
 
     def require_all(self) -> None:
         """Refuse a part that has nothing of the boundary where letters have their defaults."""

@@ -102,3 +102,15 @@ def with_derivatives(builder: Builder, nodes: Mapping[str, int], names: tuple[st
                     made = derivative(builder, made, name)
             found[f"{title} {index}"] = made
     return found
+
+
+def require_numbers(what: str, values: Floats, points: Floats) -> None:
+    """Refuse data that are undefined, or infinite, at one of the points (n, dim)."""
+    wrong = ~np.isfinite(np.broadcast_to(values, len(points)))
+    if wrong.any():
+        place = ", ".join(f"{value:.4g}" for value in points[int(np.argmax(wrong))])
+        raise RsymError(
+            f"{what} is undefined at ({place})",
+            code="undefined",
+            remedy="data are numbers all over the shape: Piecewise, Max or Abs where a root or logarithm ends",
+        )

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.analysis.conditions import UnknownLevel
+from rsym.analysis.conditions import Switched, UnknownLevel
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
@@ -18,7 +18,7 @@ from rsym.problems.loops import holes
 from rsym.problems.places import relettered
 from rsym.problems.pointwise import compiled
 from rsym.problems.problem import VALUED, Problem, with_corners
-from rsym.problems.switches import cut_conditions
+from rsym.problems.switches import placed_conditions
 
 # Places along an axis, in shares of the size of a shape.
 PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
@@ -31,7 +31,8 @@ def posed(problem: Problem) -> Problem:
     names = assigned(problem.shape, problem.named) if on_axis else ()
     for leaf in on_axis:
         condition = conditions[leaf]
-        if not isinstance(condition, VALUED):
+        both = (condition.inside, condition.outside) if isinstance(condition, Switched) else (condition,)
+        if not any(isinstance(one, VALUED) for one in both):
             continue
         called = leaf_names(problem.form, problem.shape)[leaf]
         if not _flat(problem, leaf):
@@ -48,7 +49,7 @@ def posed(problem: Problem) -> Problem:
             )
         conditions[leaf] = None
     unknown = [leaf for leaf, one in enumerate(conditions) if isinstance(one, UnknownLevel)]
-    every, cuts = cut_conditions(problem.shape, conditions, problem.order)
+    every, cuts = placed_conditions(problem.shape, problem.form, conditions, problem.order)
     return replace(problem, conditions=every, levels=holes(problem.shape, unknown), corners=None, cuts=cuts)
 
 

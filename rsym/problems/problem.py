@@ -187,9 +187,12 @@ class Problem:
             own.setdefault(value, []).append(leaf)
         named: dict[Name, list[int]] = {f"where it is {value}": leaves for value, leaves in own.items()}
         box = bounds_or_extent(self.shape, None)
-        rooted = {leaf for k, cut in enumerate(self.cuts) for leaf in (cut.leaf, len(self.form.leaves) + k)}
-        powers = {name: SMOOTHLY for name, leaves in named.items() if rooted & {*leaves}}
-        return lift_on(Parts(self.shape, named, self.split, box), dict(zip(named, own, strict=True)), powers)
+        pairs = [(cut.leaf, len(self.form.leaves) + k) for k, cut in enumerate(self.cuts)]
+        powers = {
+            name: SMOOTHLY for name, leaves in named.items() if {leaf for pair in pairs for leaf in pair} & {*leaves}
+        }
+        between = {both: len(self.conditions) + k for k, pair in enumerate(pairs) for both in (pair, pair[::-1])}
+        return lift_on(Parts(self.shape, named, self.split, box, between), dict(zip(named, own, strict=True)), powers)
 
     def lift(self, order: int) -> PointFormulas | None:
         """Its derivatives; None where it is 0."""

@@ -6,6 +6,7 @@ where c < 0.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,9 +14,12 @@ from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
+from scipy.spatial import cKDTree
 
 from rsym.analysis.conditions import BoundaryCondition, Dirichlet, Switched
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
+from rsym.backends.kernel import Kernel
+from rsym.backends.kernel import compile as compile_shape
 from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate, SignForm
 from rsym.model.shape import Bounds, Shape
@@ -24,18 +28,80 @@ from rsym.problems.meetings import Places
 from rsym.problems.pointwise import PointFormulas, compiled
 from rsym.program.lowering import lower
 from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.plane_leaves import active_leaf
 from rsym.sampling.rules.division import Grading
-from rsym.sampling.rules.quadrature import Quadrature
+from rsym.sampling.rules.quadrature import Quadrature, prepared
 
 ASIDE = 1e-6  # of the size of a shape: where is looked which condition holds beside a point
 NEAR = 1e-9  # of it: points that are one
+MOST_POINTS = 64  # between conditions on one leaf: more are those of a function that is 0 along it
+FLAT = 1e-6  # of usual slopes
+ON_EDGE = 1e-2  # of a step along an edge: how far from it is on it
+COARSE = 32  # cells of a rule that tells which conditions hold on an edge
+HALVINGS, JUMP = 40, 1e-3
 
 
 class EdgeCut(NamedTuple):
-    """A leaf, and the function whose sign tells which of two conditions holds."""
+    """A leaf, the function whose sign tells which of two conditions holds, and the points (n, 2) where it is 0.
+
+    crosses : whether it changes its sign on the edge at one of them, and not at its ends alone.
+    """
 
     leaf: int
     where: sp.Expr
+    points: Floats = np.empty((0, 2))
+    crosses: bool = True
+
+
+def placed_conditions(
+    shape: Shape, form: SignForm, conditions: Sequence[BoundaryCondition | None], order: int
+) -> tuple[tuple[BoundaryCondition | None, ...], tuple[EdgeCut, ...]]:
+    """As `cut_conditions`, the cuts `located`; a leaf on which nothing changes has the condition that holds on it.
+
+    Raises
+    ------
+    RsymError
+        For a function that jumps from one sign to the other on an edge, too.
+    """
+    every, cuts = cut_conditions(shape, conditions, order)
+    cuts = located(shape, form, cuts)
+    if all(cut.crosses for cut in cuts):
+        return every, cuts
+    boundary, own = prepared(shape, None, None).rule(COARSE, 2).boundary, [*conditions]
+    for k, cut in enumerate(cuts):
+        points = boundary.points[boundary.leaves == cut.leaf]
+        if cut.crosses or not len(points):
+            continue
+        kernel = compile_shape(shape.replace(expression=cut.where), backend="numpy")
+        within = kernel(*points.T)["value"] > 0
+        if within.all() or not within.any():
+            own[cut.leaf] = every[cut.leaf] if within.all() else every[len(conditions) + k]
+        else:
+            _require_zero(kernel, points, within)
+    every, left = cut_conditions(shape, own, order)
+    return every, tuple(cut for cut in cuts if any(cut.leaf == one.leaf for one in left))
+
+
+def _require_zero(kernel: Kernel, points: Floats, within: Flags) -> None:
+    """Refuse a function that has no zero between the points, next to each other, at which its signs differ."""
+
+    def where(point: Floats) -> float:
+        return float(kernel(*point)["value"])
+
+    away, nearest = cKDTree(points[~within]).query(points[within])
+    first = int(np.argmin(away))
+    one, other = points[within][first], points[~within][nearest[first]]
+    ends = abs(where(one) - where(other))
+    for _ in range(HALVINGS):
+        middle = (one + other) / 2
+        one, other = (middle, other) if where(middle) > 0 else (one, middle)
+    if abs(where(one) - where(other)) > JUMP * ends:
+        place = ", ".join(f"{value:.6g}" for value in one)
+        raise RsymError(
+            f"what tells where conditions change jumps at ({place})",
+            code="condition",
+            remedy="give a shape whose boundary crosses the edge: x instead of sign(x)",
+        )
 
 
 def cut_conditions(
@@ -55,6 +121,79 @@ def cut_conditions(
             remedy="make a part of its own of what has another condition",
         )
     return (*inside, *outside), tuple(cuts)
+
+
+def located(shape: Shape, form: SignForm, cuts: Sequence[EdgeCut]) -> tuple[EdgeCut, ...]:
+    """The cuts with their points, their functions times powers of 2: along edges they grow as leaves do across.
+
+    Of others the weights of both leaves are as good as 0, or have large derivatives, about all of the points.
+
+    Raises
+    ------
+    RsymError
+        For a function that is 0 along an edge, or changes its sign on it without a slope.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym.logic.sign_form import shape_form
+    >>> (cut,) = located(rsym.disc(1), shape_form(rsym.disc(1)), [EdgeCut(0, 1000 * rsym.x)])
+    >>> cut.where, sorted(cut.points.round(9).tolist())
+    (125*x/128, [[0.0, -1.0], [0.0, 1.0]])
+    """
+    if not cuts:
+        return ()
+    split, first, box = split_form(form, cuts), len(form.leaves) + len(cuts), bounds_or_extent(shape, None)
+    size, found = float(np.diff(box, axis=1).max()), []
+    for k, cut in enumerate(cuts):
+        places = Places(shape, split, box, ((cut.leaf,), (first + k,)))
+        points = _distinct(places.meeting(0, 1)[0], NEAR * size)
+        slopes = places.at(points)[1]
+        across, where = slopes[cut.leaf], slopes[first + k]
+        steep = np.linalg.norm(across, axis=1)
+        tangents = np.stack([-across[:, 1], across[:, 0]], axis=1) / steep[:, None]
+        growth = np.abs(np.sum(where * tangents, axis=1)) / steep
+        flat = growth <= FLAT * _usual(np.linalg.norm(places.at(_lattice(box))[1][first + k], axis=1)) / steep
+        ways = ASIDE * size * tangents
+        before, behind = (places.at(points + way)[0][first + k] for way in (-ways, ways))
+        changes = np.sign(before) != np.sign(behind)
+        wrong = flat & changes
+        if len(points) > MOST_POINTS or wrong.any():
+            place = ", ".join(f"{value:.6g}" for value in points[int(np.argmax(wrong))])
+            raise RsymError(
+                f"what tells where conditions change has no slope along the edge at ({place})",
+                code="condition",
+                remedy="give a shape whose boundary crosses the edge: x instead of x**3; a corner needs no switch",
+            )
+        power = -round(math.log2(float(np.median(growth[~flat])))) if not flat.all() else 0
+        own = [active_leaf(form.gates, [*places.at(points + way)[0][: len(form.leaves)]])[0] for way in (-ways, ways)]
+        on_edge = np.all(np.abs(own) <= ON_EDGE * ASIDE * size * steep, axis=0)
+        crosses = bool(np.any(changes & on_edge))
+        found.append(EdgeCut(cut.leaf, cut.where * sp.Integer(2) ** power, points, crosses))
+    return tuple(found)
+
+
+def _distinct(points: Floats, near: float) -> Floats:
+    """Each of some points once."""
+    kept: list[Floats] = []
+    for point in points:
+        if all(np.hypot(*(point - other)) > near for other in kept):
+            kept.append(point)
+            if len(kept) > MOST_POINTS:
+                break
+    return np.array(kept).reshape(-1, 2)
+
+
+def _lattice(box: Bounds) -> Floats:
+    """Some points (n, 2) of a box."""
+    axes = np.meshgrid(*(np.linspace(low, high, 7)[1:-1] for low, high in box))
+    return np.stack([axis.ravel() for axis in axes], axis=1)
+
+
+def _usual(sizes: Floats) -> float:
+    """The median of those that are numbers; 0 of none."""
+    known = sizes[np.isfinite(sizes)]
+    return float(np.median(known)) if len(known) else 0.0
 
 
 def split_form(form: SignForm, cuts: Sequence[EdgeCut]) -> SignForm:
@@ -97,20 +236,6 @@ class Switches:
     conditions: tuple[BoundaryCondition | None, ...]
 
     @cached_property
-    def points(self) -> tuple[Floats, ...]:
-        """Where conditions change, (n, 2) of each cut."""
-        return tuple(self._points(k) for k in range(len(self.cuts)))
-
-    def _points(self, k: int) -> Floats:
-        pair = (self.cuts[k].leaf,), (len(self.conditions) + k,)
-        found = Places(self.shape, self.form, self._box, pair).meeting(0, 1)[0]
-        kept: list[Floats] = []
-        for point in found:
-            if all(np.hypot(*(point - other)) > NEAR * self._size for other in kept):
-                kept.append(point)
-        return np.array(kept).reshape(-1, 2)
-
-    @cached_property
     def _box(self) -> Bounds:
         return bounds_or_extent(self.shape, None)
 
@@ -142,19 +267,19 @@ class Switches:
             natural = self.is_natural(corner.leaves[0], first), self.is_natural(corner.leaves[1], second)
             own.append(replace(corner, natural=natural))
         places = []
-        for k, cut in enumerate(self.cuts):
-            for point in self.points[k]:
+        for cut in self.cuts:
+            for point in cut.points:
                 (plain,) = flat_corners(self.shape, [(point, cut.leaf, (False, False))])
                 first, second = (self.is_natural(cut.leaf, point + step * edge) for edge in plain.edges)
                 if first != second:
                     places.append(replace(plain, natural=(first, second)))
-        ends = np.concatenate([np.empty((0, 2)), *self.points])
+        ends = np.concatenate([np.empty((0, 2)), *(cut.points for cut in self.cuts)])
         return tuple(replace(one, reach=min(one.reach, _nearest(one.point, ends))) for one in (*own, *places))
 
     def graded(self, near: Grading | None) -> Grading:
         """Towards the points where conditions change too: weights have roots there."""
         points, rates = (np.empty((0, 2)), np.empty(0)) if near is None else (near.points, near.exponents)
-        more = [one for row in self.points for one in row if not (points == one).all(axis=1).any()]
+        more = [one for cut in self.cuts for one in cut.points if not (points == one).all(axis=1).any()]
         return Grading(np.vstack([points, *more]), np.append(rates, np.ones(len(more))))
 
     def relabelled(self, rule: Quadrature) -> Quadrature:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rsym.analysis.conditions import Robin
+from rsym.analysis.conditions import Robin, Switched, neumann
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
@@ -50,7 +50,8 @@ def solve_form(
         ``{"inside": a, "rim": lambda u, v, w: c * u * v}`` and ``{"inside": l, "rim": lambda v, w: h * v}``.
     conditions : mapping, or one condition for all of the boundary, optional
         Values as in `solve`: numbers, expressions, ``rsym.constant()``, where second derivatives are in the form
-        ``rsym.clamped()``. Where nothing is said the form says what holds.
+        ``rsym.clamped()``. Where nothing is said the form says what holds, as it does where
+        ``rsym.switched(where, 0, rsym.neumann())`` holds no value.
     degree, cells, tolerance, axis, corners, progress
         As in `solve`; integrals about an axis have the radius in them already.
     letters : mapping, optional
@@ -91,7 +92,10 @@ def solve_form(
     form = weak_form(shape, a, l, named, None if turned < 0 else turned)
     values = given_by_name(shape, {} if conditions is None else conditions)
     for name, condition in values.items():
-        if isinstance(condition, Robin):
+        both = (condition.inside, condition.outside) if isinstance(condition, Switched) else (condition,)
+        # Beside values that change on an edge, that nothing flows says that the form says what holds.
+        silent = isinstance(condition, Switched)
+        if any(isinstance(one, Robin) and not (silent and one == neumann()) for one in both):
             place = "the rest" if name is ... else repr(name)
             raise RsymError(
                 f"the condition on {place} is one on the flux, which forms have in themselves",

@@ -61,6 +61,74 @@ def test_the_problem_of_motz():
     assert again(0.3, 0.4) == found(0.3, 0.4)
 
 
+@pytest.mark.parametrize("where", [-1000 * x, -x / 10**6, rsym.rectangle(1, 4, (sp.Rational(-1, 2), 0)) | LEFT])
+def test_the_size_of_what_tells_where_conditions_change_does_not_matter(where):
+    found = rsym.solve(
+        BOX, "-laplacian(u) = 0", {"right": 500, "low": rsym.switched(where, 0, rsym.neumann())}, cells=16
+    )
+    exact = ((0.3 + 0.4j) ** (np.arange(30) + 0.5)).real @ expansion()
+    assert found(0.3, 0.4) == pytest.approx(exact, abs=0.4)  # of 500
+
+
+def test_values_on_both_sides_of_a_place_that_agree_there():
+    found = rsym.solve(BOX, "-laplacian(u) = 0", {"low": rsym.switched(LEFT, -x, x), "top": 1}, cells=12)
+    assert found([-0.5, 0.25], 0) == pytest.approx([0.5, 0.25], abs=1e-12)
+    assert found(-0.3, 0.4) == pytest.approx(found(0.3, 0.4), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "where", [rsym.disc(0.1, (0, 5)), ~rsym.disc(0.3, (0, 0.3)), rsym.half_plane((-1, 0), -1), -y - 1]
+)
+def test_where_nothing_changes_one_condition_holds(where):
+    """What is beside the edge, touches it or has a corner of it alone is not cut: the bits are those of one value."""
+    inside, outside = (0, 1) if rsym.switched(where, 0, 1).where.subs({x: 0.5, y: 0}) > 0 else (1, 0)
+    one = rsym.solve(BOX, "-laplacian(u) = 1", {"low": 0}, cells=8)
+    found = rsym.solve(BOX, "-laplacian(u) = 1", {"low": rsym.switched(where, inside, outside)}, cells=8)
+    assert np.array_equal(found.coefficients, one.coefficients)
+
+
+def test_an_edge_in_two_pieces_of_which_each_has_its_own_condition():
+    shape = (BOX - rsym.disc(0.25).named("notch")).replace(bounds=((-2, 2), (-1, 2)))
+    found = rsym.solve(
+        shape, "-laplacian(u) = 0", {"low": rsym.switched(LEFT, 0, rsym.neumann()), "right": 1}, cells=12
+    )
+    assert np.abs(found([-0.9, -0.3], 0)).max() < 1e-12 < 0.3 < found(0.5, 0)
+
+
+def test_values_that_letters_take_off_the_edge_fix_no_level():
+    a = sp.Symbol("a", real=True)
+    shape = BOX.replace(letters={a: 0})
+    found = rsym.solve(shape, "-laplacian(u) = 1", {"low": rsym.switched(a - x, 0, rsym.neumann())}, cells=8)
+    assert found.with_letters({"a": 1})(0.3, 0.4) == pytest.approx(0.4 - 0.08, abs=1e-12)
+    with pytest.raises(rsym.RsymError, match="nothing fixes the level"):
+        found.with_letters({"a": -1})
+
+
+def test_values_on_an_axis_are_those_of_no_edge():
+    half = rsym.disc(1).named("rim") & rsym.half_plane((1, 0), 0).named("axis")
+    change = rsym.switched(rsym.half_plane((0, 1), 0), 0, rsym.neumann(-2))
+    found = rsym.solve(half, "-laplacian(u) = 6", {...: change}, axis=y, cells=12)
+    assert found([0.0, 0.3], [0.2, -0.5]) == pytest.approx([0.96, 0.66], abs=2e-3)
+    with pytest.raises(rsym.RsymError, match="no value of u can be held"):
+        rsym.solve(half, "-laplacian(u) = 6", {"rim": 0, "axis": change}, axis=y, cells=12)
+
+
+def test_a_form_has_values_that_change_on_an_edge():
+    """The flux of the form holds where no value does."""
+    place = {"right": 1, "low": rsym.switched(LEFT, 0, rsym.robin(3, 1))}
+    wanted = rsym.solve(BOX, "-laplacian(u) = 1", place, cells=8)
+    found = rsym.solve_form(
+        BOX,
+        {"inside": lambda u, v, w: u.grad @ v.grad, "low": lambda u, v, w: 3 * u * v},
+        {"inside": lambda v, w: v, "low": lambda v, w: v},
+        {"right": 1, "low": rsym.switched(LEFT, 0, rsym.neumann())},
+        cells=8,
+    )
+    assert np.array_equal(found.coefficients, wanted.coefficients)
+    with pytest.raises(rsym.RsymError, match="'low' is one on the flux"):
+        rsym.solve_form(BOX, lambda u, v, w: u.grad @ v.grad, lambda v, w: v, place, cells=8)
+
+
 def test_conditions_that_change_on_an_arc():
     """The real part of the root of i*(1 - z)/(1 + z), which is real above on the circle and imaginary below."""
     size = (1 + x) ** 2 + y**2
@@ -106,6 +174,9 @@ def test_two_places_on_one_edge_with_letters():
             lambda: rsym.solve(BOX, "-laplacian(u) = 1", {"right": 1, "low": rsym.switched(x, 0, rsym.neumann())}),
             "meet at",
         ),
+        (lambda: rsym.solve(BOX, "-laplacian(u) = 1", {"low": rsym.switched(x**3, 0, rsym.neumann())}), "no slope"),
+        (lambda: rsym.solve(BOX, "-laplacian(u) = 1", {"low": rsym.switched(y, 0, rsym.neumann())}), "no slope"),
+        (lambda: rsym.solve(BOX, "-laplacian(u) = 1", {"low": rsym.switched(sp.sign(x), 0, rsym.neumann())}), "jumps"),
     ],
 )
 def test_what_cannot_be_is_refused(ask, message):

@@ -6,7 +6,7 @@ from scipy import sparse
 
 import rsym
 from rsym.problems.splines.web import web_splines
-from rsym.problems.systems import linear
+from rsym.problems.systems import iterations, linear
 from rsym.problems.systems.forms import Assembler, CellPoints, extended
 
 
@@ -59,7 +59,7 @@ def test_what_is_not_symmetric_is_solved_by_steps_or_by_factors_where_these_are_
     factored = found()
     monkeypatch.setitem(linear.DIRECT_UNEVEN, 3, 10)
     steps = found()
-    monkeypatch.setattr(linear, "UNEVEN_STEPS", 5)
+    monkeypatch.setattr(iterations, "UNEVEN_STEPS", 5)
     slow = found()
     assert factored.steps == slow.steps == 0 < steps.steps < 400
     for one in (factored, steps, slow):
@@ -82,7 +82,7 @@ def test_threads_do_not_change_the_bits_of_conjugate_gradients(make, symmetric, 
     monkeypatch.setitem(linear.DIRECT_UNEVEN, 2, 10)
     found = []
     for threads in (1, 3):
-        monkeypatch.setattr(linear, "checked_threads", lambda _, count=threads: count)
+        monkeypatch.setattr(iterations, "checked_threads", lambda _, count=threads: count)
         kinds = {"definite": symmetric, "symmetric": symmetric}
         made = linear.solve_system(make(12), np.arange(144.0), dimension=2, **kinds)
         assert made.steps > 0

@@ -378,12 +378,30 @@ def test_conditions_on_fluxes_and_loads_with_u_are_refused():
         rsym.solve_form(square, {"inside": laplace, "far": lambda u, v, w: u * v}, one, {...: 0}, cells=6)
 
 
+def test_data_that_are_undefined_are_told_with_a_place():
+    with pytest.raises(rsym.RsymError, match=r"'f' is undefined at \(-"):
+        rsym.solve_form(RIM, laplace, lambda v, w: np.sqrt(w.x[0]) * v, 0, cells=6)
+    with pytest.raises(rsym.RsymError, match=r"on the boundary is undefined at \(-"):
+        rsym.solve_form(RIM, laplace, {"rim": lambda v, w: np.log(w.x[0]) * v}, {"rim": 0}, cells=6)
+    with pytest.raises(rsym.RsymError, match=r"on the boundary is undefined at \(-"):
+        rsym.solve(RIM, "-laplacian(u) = 1", rsym.robin(1, sp.log(x)), cells=6)
+
+
 def test_a_system_whose_answer_would_be_rounding_is_refused():
     def turned(u, v, w):
         return laplace(u, v, w) + u * v.x  # not of constant v
 
     with pytest.raises(rsym.RsymError, match="singular"):
         rsym.solve_form(RIM, turned, one, cells=6)
+
+
+@pytest.mark.slow
+def test_corner_functions_that_splines_nearly_make_up_refuse_no_problem_that_is_not_symmetric():
+    """u = exp(5*x/2)*w, w of an equation that is symmetric; each solution has an error of its own."""
+    shape = rsym.rectangle(2, 2) - rsym.rectangle(1, 1, (0.5, 0.5))
+    other = rsym.solve(shape, "-laplacian(u) + 25/4*u = exp(-5*x/2)", 0, cells=32, degree=5)
+    found = rsym.solve_form(shape, lambda u, v, w: u.grad @ v.grad + 5 * u.x * v, lambda v, w: v, 0, cells=32, degree=5)
+    assert found(0.2, -0.3) == pytest.approx(math.exp(0.5) * other(0.2, -0.3), rel=1e-5)
 
 
 @pytest.mark.slow
@@ -398,3 +416,10 @@ def test_what_is_carried_along_in_space_is_solved_by_steps():
     assert found.report.unknowns > 3000
     assert found.report.steps > 0
     assert abs(found(0.1, 0.2, 0.3) - 0.86 * math.exp(0.1)) < 5e-5
+
+
+def test_a_part_of_the_name_of_a_place_is_refused():
+    ring = rsym.disc(1).named("boundary") - rsym.disc(0.5)
+    forms = {"inside": laplace, "boundary": lambda u, v, w: u * v}
+    with pytest.raises(rsym.RsymError, match="'boundary' is a part of this shape, and where forms stand"):
+        rsym.solve_form(ring, forms, lambda v, w: v, cells=8)

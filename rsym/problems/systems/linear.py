@@ -2,45 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 from scipy import sparse
-from scipy.linalg import eigvalsh_tridiagonal
 from scipy.sparse import linalg
 
-from rsym.arrays import Flags, Floats, Ints
-from rsym.backends.kernel import checked_threads
+from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
-from rsym.sampling.compiled import loop
+from rsym.problems.systems.iterations import (
+    SEED,
+    conjugate_gradients,
+    largest_eigenvalue,
+    norm,
+    stabilised_gradients,
+)
 
 # Unknowns up to which a system is factored; a factor of 30 000 of degree 4 in the plane takes about a second.
 DIRECT = {2: 30_000, 3: 6_000}
-# The same for a system that is not symmetric, and what its residual must come down to within so many steps, or it is
-# factored. In space 6400 unknowns took 0.1 to 0.3 s by steps, 2 to 3 s by factors; in the plane 8200 took 0.2 s or more
+# The same for a system that is not symmetric, and what its residual must come down to by steps, or it is factored.
+# In space 6400 unknowns took 0.1 to 0.3 s by steps, 2 to 3 s by factors; in the plane 8200 took 0.2 s or more
 # than 8 s by steps, 0.5 s by factors.
 DIRECT_UNEVEN = {2: 200_000, 3: 3_000}
-UNEVEN_SMALL, UNEVEN_STEPS = 1e-11, 500
-# Of the residual, where gradients are conjugated; rounding stops at the condition times 1e-16.
-SMALL = 1e-13
-MOST_STEPS = 5000
+UNEVEN_SMALL = 1e-11
 # The share of an answer that a step of refinement may change, and of the right side that may be left: systems of
 # splines have up to 1e-10, singular ones more than 1e-3.
-UNSURE = 1e-6
+UNSURE, SINGULAR = 1e-6, 1e-3
 # Splines that reach far beyond thin parts of a shape are nearly made up by others: a step changes their numbers by up
 # to this share, though not what they add up to.
 FAINT = 1e-4
 DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
-BLOCKS = 8  # of rows that threads may share
 MOST_SHIFTS = 30
-# Steps of Lanczos's method to the largest and the least eigenvalue of a matrix that was factored.
-LANCZOS = 8
 # Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
 MOST_RANKED, RANK = 1000, 1e-12
-SEED = 20130605
 
 
 @dataclass(frozen=True)
@@ -96,24 +90,24 @@ def solve_system(
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
     wanted = scale * right
-    size = _norm(wanted)
+    size = norm(wanted)
     if size == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
     found: Floats | None
     steps, condition = 0, None
     if definite and len(right) > DIRECT[dimension]:
-        found, steps, condition = _conjugate_gradients(scaled, wanted)
+        found, steps, condition = conjugate_gradients(scaled, wanted)
     elif not symmetric and len(right) > DIRECT_UNEVEN[dimension]:
-        made, steps = _stabilised(scaled, wanted)
+        made, steps = stabilised_gradients(scaled, wanted)
         found = made
-        if not _norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
+        if not norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
             found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
             steps = 0
     else:
         found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
     if found is None:
         return _without(matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric, held=held)
-    residual = _norm(wanted - scaled @ found) / size
+    residual = norm(wanted - scaled @ found) / size
     if not residual <= UNSURE:
         raise nearly_singular()
     return Solved(scale * found, steps, residual, condition)
@@ -137,18 +131,27 @@ def _by_factors(
     # Of rounding alone, it is as large a share as the condition of the matrix makes it. Where the last functions
     # are nearly made up by others, it is large in what amounts to nothing: by its energy it is small. That of an
     # answer which is not sure is small too; then the first unknowns alone have none.
-    unsure = _norm(correction) / _norm(found)
-    if definite and unsure > UNSURE and (last or (held and unsure <= FAINT)):
+    unsure = norm(correction) / norm(found)
+    first = slice(len(right) - last)
+    beside = last and (definite or unsure < SINGULAR or _coercive(matrix[first, first]))
+    if unsure > UNSURE and (beside or (definite and held and unsure <= FAINT)):
         if last:
-            first = slice(len(right) - last)
-            solve_system(matrix[first, first], right[first], definite=True, dimension=dimension, held=held)
+            solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension, held=held)
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
     if not unsure <= UNSURE:
         return None, None
     if not definite:
         return found + correction, None
-    largest, inverse = (_largest(product, len(right)) for product in (matrix.__matmul__, factors.solve))
+    largest, inverse = (largest_eigenvalue(product, len(right)) for product in (matrix.__matmul__, factors.solve))
     return found + correction, largest * inverse
+
+
+def _coercive(matrix: sparse.csr_matrix) -> bool:
+    """Whether the symmetric part of a matrix is definite: the pivots are all positive."""
+    try:
+        return bool((factored(((matrix + matrix.T) / 2).tocsr()).U.diagonal() > 0).all())
+    except RsymError:
+        return False
 
 
 def _without(
@@ -161,9 +164,14 @@ def _without(
         raise nearly_singular()
     kept = np.append(np.ones(len(right) - last, np.bool_), own)
     some = solve_system(
-        matrix[kept][:, kept], right[kept],
-        definite=definite, dimension=dimension, symmetric=symmetric, last=int(own.sum()), held=held,
-    )  # fmt: skip
+        matrix[kept][:, kept],
+        right[kept],
+        definite=definite,
+        dimension=dimension,
+        symmetric=symmetric,
+        last=int(own.sum()),
+        held=held,
+    )
     values = np.zeros_like(right)
     values[kept] = some.values
     return replace(some, values=values)
@@ -201,154 +209,6 @@ def nearly_singular() -> RsymError:
         "0; a term c*u with c near minus an eigenvalue, see modes, has no single answer; where a part of the shape is "
         "thinner than a cell, a lower degree= or smaller cells",
     )
-
-
-def _conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int, float]:
-    """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads.
-
-    To read a matrix takes most of the time: of a symmetric one half is enough. Its rows are in blocks, as many for any
-    number of threads; what these make is added in their order.
-    """
-    lower = sparse.tril(matrix, format="csr")  # the diagonal of a definite matrix is there
-    lower.sort_indices()
-    bounds = np.linspace(0, len(right), BLOCKS + 1).astype(int)
-    blocks = [_Block.of(lower, first, last) for first, last in pairwise(bounds.tolist()) if last > first]
-
-    def product(x: Floats) -> Floats:
-        total = np.zeros_like(x)
-        for block, _ in zip(blocks, pool.map(lambda block: block.multiply(x), blocks), strict=True):
-            total[block.least : block.last] += block.out
-        return total
-
-    with ThreadPoolExecutor(checked_threads(None)) as pool:
-        return _iterated(product, right)
-
-
-@dataclass(frozen=True, eq=False)
-class _Block:
-    """Rows of the lower triangle of a symmetric matrix, and room for what they and their mirror images make.
-
-    Columns count from the least of all rows; in each row they ascend, and the last is that of the diagonal.
-    """
-
-    least: int
-    last: int
-    begins: Ints
-    columns: Ints
-    values: Floats
-    out: Floats
-
-    @classmethod
-    def of(cls, lower: sparse.csr_matrix, first: int, last: int) -> _Block:
-        """Some rows of a triangle."""
-        begins = lower.indptr[first : last + 1].astype(np.int64)
-        some = slice(begins[0], begins[-1])
-        least = int(lower.indices[some].min(initial=first))
-        columns: Ints = (lower.indices[some] - least).astype(np.int32)
-        return cls(least, last, begins - begins[0], columns, lower.data[some], np.empty(last - least))
-
-    def multiply(self, x: Floats) -> None:
-        """Put the product from the least column to the last row into its room."""
-        lower_product(self.begins, self.columns, self.values, x[self.least : self.last], self.out)
-
-
-@loop
-def lower_product(begins: Ints, columns: Ints, values: Floats, x: Floats, out: Floats) -> None:
-    """The product of the last rows of a lower triangle, and of their mirror images, with x; two sums at once."""
-    for k in range(len(out)):
-        out[k] = 0.0
-    above = len(x) - (len(begins) - 1)
-    for row in range(len(begins) - 1):
-        own, one, other = x[above + row], 0.0, 0.0
-        k, end = begins[row], begins[row + 1] - 1
-        while k + 1 < end:
-            i, j, a, b = columns[k], columns[k + 1], values[k], values[k + 1]
-            one += a * x[i]
-            other += b * x[j]
-            out[i] += a * own
-            out[j] += b * own
-            k += 2
-        if k < end:
-            one += values[k] * x[columns[k]]
-            out[columns[k]] += values[k] * own
-        out[above + row] += one + other + values[end] * own
-
-
-def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int, float]:
-    """The solution, the steps, and the condition that they show: gradients are conjugated as in Lanczos's method."""
-    found, residual = np.zeros_like(right), right.copy()
-    direction, size = residual.copy(), float(np.sum(residual * residual))
-    enough = SMALL**2 * size
-    lengths, shares = [], []
-    for _ in range(MOST_STEPS):
-        image = product(direction)
-        length = size / float(np.sum(direction * image))
-        found += length * direction
-        residual -= length * image
-        size, before = float(np.sum(residual * residual)), size
-        lengths.append(length)
-        if size <= enough:
-            break
-        shares.append(size / before)
-        direction = residual + shares[-1] * direction
-    steps = len(lengths)
-    inverse, ratios = 1 / np.array(lengths), np.array(shares[: steps - 1])
-    own = inverse + np.concatenate([[0.0], ratios * inverse[:-1]])
-    values = eigvalsh_tridiagonal(own, np.sqrt(ratios) * inverse[:-1])
-    return found, steps, float(values[-1] / values[0])
-
-
-def _largest(product: Callable[[Floats], Floats], count: int) -> float:
-    """The largest eigenvalue of a definite matrix, nearly, from below: by some steps of Lanczos's method."""
-    vector = np.random.default_rng(SEED).standard_normal(count)
-    vector, before, beside = vector / _norm(vector), np.zeros(count), 0.0
-    own, others = [], []
-    for _ in range(min(LANCZOS, count)):
-        image = product(vector) - beside * before
-        own.append(float(np.sum(image * vector)))
-        image -= own[-1] * vector
-        beside = _norm(image)
-        if not beside > 0:
-            break
-        others.append(beside)
-        before, vector = vector, image / beside
-    return float(eigvalsh_tridiagonal(np.array(own), np.array(others[: len(own) - 1]))[-1])
-
-
-def _stabilised(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int]:
-    """By van der Vorst's BiCGSTAB (1992); rows are by themselves, whatever thread they are of."""
-    threads = checked_threads(None)
-    bounds = np.linspace(0, len(right), threads + 1).astype(int)
-    blocks = [matrix[first:last] for first, last in pairwise(bounds.tolist())]
-    with ThreadPoolExecutor(threads) as pool:
-        return _gradients_stabilised(lambda x: np.concatenate(list(pool.map(lambda block: block @ x, blocks))), right)
-
-
-def _gradients_stabilised(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int]:
-    """Where a product of the method vanishes it ends."""
-    found, residual, shadow = np.zeros_like(right), right.copy(), right
-    direction, size = residual.copy(), np.sum(shadow * residual)
-    enough = SMALL**2 * size
-    for step in range(1, UNEVEN_STEPS + 1):
-        image = product(direction)
-        with np.errstate(all="ignore"):
-            length = size / np.sum(shadow * image)
-            half = residual - length * image
-            turned = product(half)
-            share = np.sum(turned * half) / np.sum(turned * turned)
-            if not np.isfinite(length) or not np.isfinite(share):
-                return found, step
-            found += length * direction + share * half
-            residual = half - share * turned
-            if np.sum(residual * residual) <= enough:
-                return found, step
-            size, before = np.sum(shadow * residual), size
-            direction = residual + (size / before) * (length / share) * (direction - share * image)
-    return found, UNEVEN_STEPS
-
-
-def _norm(values: Floats) -> float:
-    return float(np.sqrt(np.sum(values * values)))
 
 
 def eigenpairs(

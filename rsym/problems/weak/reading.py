@@ -209,10 +209,16 @@ class _Reader:
         return {*(symbol.name for symbol in self.shape.coordinates), *self.shape.letters, *self.functions, *own}
 
     def _require_place(self, place: Any) -> None:
-        if place is ... or place in (INSIDE, BOUNDARY):
-            return
         parts = leaf_parts(shape_form(self.shape), self.shape)
         known = list(dict.fromkeys(name for names in parts for name in names))
+        if place in (INSIDE, BOUNDARY) and place in known:
+            raise RsymError(
+                f"{place!r} is a part of this shape, and where forms stand that are integrated over all of it",
+                code="unknown-part",
+                remedy="give the part another name",
+            )
+        if place is ... or place in (INSIDE, BOUNDARY):
+            return
         if place not in known:
             raise RsymError(
                 f"no part {place!r} on the boundary; it has {listing(known)}",
