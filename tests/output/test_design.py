@@ -95,7 +95,7 @@ def test_the_command_serves_until_it_is_interrupted():
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
         try:
             address = process.stdout.readline().strip()
-            with urllib.request.urlopen(address, timeout=20) as reply:
+            with urllib.request.urlopen(address, timeout=60) as reply:
                 assert "<title>solids - rsym</title>" in reply.read().decode()
             process.send_signal(signal.SIGINT)
             assert process.wait(20) == 0
