@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from types import EllipsisType
 from typing import Any, TypeAlias
 
@@ -68,6 +68,17 @@ def _require_told_apart(shape: Shape, given: Mapping[Name, BoundaryCondition]) -
             )
 
 
+def require_part(name: Any, parts: Sequence[Sequence[str]], otherwise: str) -> None:
+    """Refuse what names no part of a boundary whose leaves have these names; `otherwise` where no name is near it."""
+    known = list(dict.fromkeys(name for names_of_leaf in parts for name in names_of_leaf))
+    if name not in known:
+        raise RsymError(
+            f"no part {name!r} on the boundary; it has {listing(known)}",
+            code="unknown-part",
+            remedy=proposal(str(name), known, otherwise),
+        )
+
+
 def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:
     """Which of some names of parts each leaf of ``surface_form(shape)`` goes by, ``...`` for the rest.
 
@@ -78,16 +89,9 @@ def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:
     (Ellipsis, 'bore')
     """
     parts = shape_leaf_parts(shape)
-    known = list(dict.fromkeys(name for names_of_leaf in parts for name in names_of_leaf))
     for name in names:
-        if name is not ... and name not in known:
-            raise RsymError(
-                f"no part {name!r} on the boundary; it has {listing(known)}",
-                code="unknown-part",
-                remedy=proposal(
-                    name, known, 'a part gets its name when it is made, shape.named("rim"); ... is the rest'
-                ),
-            )
+        if name is not ...:
+            require_part(name, parts, 'a part gets its name when it is made, shape.named("rim"); ... is the rest')
     chosen = [next((name for name in names_of_leaf if name in names), ...) for names_of_leaf in parts]
     for name in names:
         if name is not ... and name not in chosen:

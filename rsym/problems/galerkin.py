@@ -18,10 +18,10 @@ from scipy import sparse
 from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_parts
+from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.symbols import real_symbol
 from rsym.problems.plates import bending
-from rsym.problems.pointwise import formulas, require_numbers
+from rsym.problems.pointwise import first_place, formulas, require_numbers
 from rsym.problems.problem import Problem, on_part, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
@@ -187,9 +187,8 @@ class Discretisation:
                 minors.append(minors[1] * a[2][2] + twice - a[0][0] * a[1][2] ** 2 - a[1][1] * a[0][2] ** 2)
             wrong = ~np.all([minor > 0 for minor in minors], axis=0)
         if wrong.any():
-            place = ", ".join(f"{value:.4g}" for value in points[int(np.argmax(wrong))])
             raise RsymError(
-                f"the equation is not elliptic at ({place})",
+                f"the equation is not elliptic at {first_place(points, wrong)}",
                 code="not-elliptic",
                 remedy="the coefficients of the second derivatives must be positive definite all over the shape",
             )
@@ -245,7 +244,7 @@ class Discretisation:
         for name in equation.edges:
             if isinstance(name, str) and name != BOUNDARY:
                 on_part(problem, self.rule.boundary.leaves, name)
-        parts = leaf_parts(problem.form, problem.shape)
+        parts = shape_leaf_parts(problem.shape)
         terms = {leaf: equation.on_leaf(parts[origin]) for leaf, origin in enumerate(problem.origins)}
         return {leaf: one for leaf, one in terms.items() if one.form or one.load}
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.errors import RsymError
 from rsym.logic.sign_form import shape_builder
@@ -104,13 +104,23 @@ def with_derivatives(builder: Builder, nodes: Mapping[str, int], names: tuple[st
     return found
 
 
+def first_place(points: Floats, wrong: Flags) -> str:
+    """The first of points (n, dim) where something is wrong, as errors tell it.
+
+    Examples
+    --------
+    >>> first_place(np.array([[0.0, 1.0], [2.0, 1 / 3]]), np.array([False, True]))
+    '(2, 0.3333)'
+    """
+    return "(" + ", ".join(f"{value:.4g}" for value in points[int(np.argmax(wrong))]) + ")"
+
+
 def require_numbers(what: str, values: Floats, points: Floats) -> None:
     """Refuse data that are undefined, or infinite, at one of the points (n, dim)."""
     wrong = ~np.isfinite(np.broadcast_to(values, len(points)))
     if wrong.any():
-        place = ", ".join(f"{value:.4g}" for value in points[int(np.argmax(wrong))])
         raise RsymError(
-            f"{what} is undefined at ({place})",
+            f"{what} is undefined at {first_place(points, wrong)}",
             code="undefined",
             remedy="data are numbers all over the shape: Piecewise, Max or Abs where a root or logarithm ends",
         )

@@ -11,7 +11,7 @@ import numpy as np
 from rsym.analysis.conditions import Switched, UnknownLevel
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_names
+from rsym.logic.leaf_names import shape_leaf_names
 from rsym.problems.conditions import assigned, resolved
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.loops import holes
@@ -34,7 +34,7 @@ def posed(problem: Problem) -> Problem:
         both = (condition.inside, condition.outside) if isinstance(condition, Switched) else (condition,)
         if not any(isinstance(one, VALUED) for one in both):
             continue
-        called = leaf_names(problem.form, problem.shape)[leaf]
+        called = shape_leaf_names(problem.shape)[leaf]
         if not _flat(problem, leaf):
             raise RsymError(
                 f"{called} lies on the axis and goes on elsewhere, with one condition",

@@ -26,8 +26,7 @@ from rsym.logic.weights import weight
 from rsym.model.equation import Equation
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
-from rsym.model.wording import listing, proposal
-from rsym.problems.conditions import Name, assigned
+from rsym.problems.conditions import Name, assigned, require_part
 from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.equations import EllipticEquation
@@ -320,13 +319,7 @@ def on_part(problem: Problem, leaves: Any, part: str) -> Any:
     """Which of the points with these leaves lie on a part."""
     every = shape_leaf_parts(problem.shape)
     names = [every[leaf] for leaf in problem.origins]
-    known = list(dict.fromkeys(name for one in names for name in one))
-    if part not in known:
-        raise RsymError(
-            f"no part {part!r} on the boundary; it has {listing(known)}",
-            code="unknown-part",
-            remedy=proposal(part, known, "use one of these"),
-        )
+    require_part(part, names, "use one of these")
     found = np.isin(leaves, [leaf for leaf, one in enumerate(names) if part in one])
     if not found.any():
         raise vanished(part)

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
-from rsym.logic.leaf_names import leaf_names
-from rsym.logic.sign_form import shape_form
+from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
@@ -331,7 +330,7 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     along = end - start
     length = np.hypot(*along.T)
     leaf = leaves.active(start + along / 2)[1]
-    known = np.array(leaf_names(shape_form(shape), shape))
+    known = np.array(shape_leaf_names(shape))
     shares = np.cumsum(np.where(_wanted(shape, known[leaf], over), length, 0.0))
     with np.errstate(all="ignore"):
         across = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]  # the outside is to the right

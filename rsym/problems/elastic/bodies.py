@@ -21,7 +21,7 @@ from rsym.problems.conditions import Name, assigned
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
 from rsym.problems.equations import equation_of
 from rsym.problems.left_behind import portable
-from rsym.problems.pointwise import PointFormulas, compiled, with_derivatives
+from rsym.problems.pointwise import PointFormulas, compiled, first_place, with_derivatives
 from rsym.problems.problem import Problem, value_at
 from rsym.program.differentiation import derivative
 
@@ -169,9 +169,9 @@ class ElasticBody:
         wrong |= ~(poisson < most) if self.plane == STRAIN else ~(poisson <= most)
         if wrong.any():
             k = int(np.argmax(wrong))
-            place = ", ".join(f"{value:.4g}" for value in points[k])
             raise RsymError(
-                f"at ({place}) Young's modulus is {young[k]:.6g} and Poisson's ratio {poisson[k]:.6g}",
+                f"at {first_place(points, wrong)} Young's modulus is {young[k]:.6g} "
+                f"and Poisson's ratio {poisson[k]:.6g}",
                 code="material",
                 remedy="young > 0 and -1 < poisson < 0.5",
             )

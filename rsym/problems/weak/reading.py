@@ -12,12 +12,11 @@ import sympy as sp
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError
-from rsym.logic.leaf_names import leaf_parts
-from rsym.logic.sign_form import shape_form
+from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, substitute, symbols_of
 from rsym.model.wording import listing, proposal
-from rsym.problems.conditions import Name
+from rsym.problems.conditions import Name, require_part
 from rsym.problems.equations import meanings_of
 from rsym.problems.terms import Meaning
 from rsym.problems.weak.traced import (
@@ -209,21 +208,12 @@ class _Reader:
         return {*(symbol.name for symbol in self.shape.coordinates), *self.shape.letters, *self.functions, *own}
 
     def _require_place(self, place: Any) -> None:
-        parts = leaf_parts(shape_form(self.shape), self.shape)
-        known = list(dict.fromkeys(name for names in parts for name in names))
-        if place in (INSIDE, BOUNDARY) and place in known:
+        parts = shape_leaf_parts(self.shape)
+        if place in (INSIDE, BOUNDARY) and any(place in names for names in parts):
             raise RsymError(
                 f"{place!r} is a part of this shape, and where forms stand that are integrated over all of it",
                 code="unknown-part",
                 remedy="give the part another name",
             )
-        if place is ... or place in (INSIDE, BOUNDARY):
-            return
-        if place not in known:
-            raise RsymError(
-                f"no part {place!r} on the boundary; it has {listing(known)}",
-                code="unknown-part",
-                remedy=proposal(
-                    str(place), known, f"forms stand for {INSIDE!r}, {BOUNDARY!r}, a part, or ... the rest"
-                ),
-            )
+        if place is not ... and place not in (INSIDE, BOUNDARY):
+            require_part(place, parts, f"forms stand for {INSIDE!r}, {BOUNDARY!r}, a part, or ... the rest")
