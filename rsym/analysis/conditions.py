@@ -43,7 +43,9 @@ class Robin(BoundaryCondition):
 
 @dataclass(frozen=True)
 class UnknownLevel(BoundaryCondition):
-    """u is the same all over the part, how much is not known; nothing flows through it in all."""
+    """u is the same all over the part, how much is not known; the flow through it in all is."""
+
+    flow: sp.Expr
 
 
 @dataclass(frozen=True)
@@ -145,16 +147,31 @@ def robin(coefficient: Any, flux: Any = 0) -> Robin:
     return Robin(condition_value(coefficient, "the coefficient"), condition_value(flux, "the flux"))
 
 
-def constant() -> UnknownLevel:
-    """The condition that u has one value all over the part, which is not known: a hole of a twisted shaft, say.
+def constant(flow: Any = 0) -> UnknownLevel:
+    """The condition that u has one value all over the part, which is not known; the integral of k du/dn over it is.
+
+    Of a twisted shaft, -laplacian(u) = 2, the flow of a hole is twice its area. The curves that a part is made of have
+    a level each, and this flow each; in space the leaves.
+
+    Parameters
+    ----------
+    flow : number or expression
+        In letters; outwards, as `Solution.flux` has it.
+
+    Raises
+    ------
+    RsymError
+        For what is none of these.
 
     Examples
     --------
     >>> import rsym
-    >>> rsym.constant()
-    UnknownLevel()
+    >>> ring = rsym.disc(1).named("rim") - rsym.disc(0.5).named("bore")
+    >>> u = rsym.solve(ring, "-laplacian(u) = 2", {"rim": 0, "bore": rsym.constant(2 * 0.7853981633974483)}, cells=16)
+    >>> u([0, 0.5], [0.5, 0]).round(6).tolist(), round(u.flux("bore"), 5)
+    ([0.375, 0.375], 1.5708)
     """
-    return UnknownLevel()
+    return UnknownLevel(number(flow, "the flow"))
 
 
 def clamped(value: Any = 0, slope: Any = 0) -> Clamped:

@@ -71,7 +71,7 @@ def add_conditions(parser: argparse.ArgumentParser, default: str) -> None:
         action="append",
         default=[],
         metavar="PART=CONDITION",
-        help='a value, or "neumann(h)", "robin(c, h)", "constant()", "clamped()", "supported()"; '
+        help='a value, or "neumann(h)", "robin(c, h)", "constant(flow)", "clamped()", "supported()"; '
         f"others=... is the rest (default: {default})",
     )
 

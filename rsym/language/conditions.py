@@ -11,7 +11,7 @@ CONDITIONS: dict[str, tuple[int, int | None]] = {
     "dirichlet": (1, 1),
     "neumann": (0, 1),
     "robin": (1, 2),
-    "constant": (0, 0),
+    "constant": (0, 1),
     "clamped": (0, 2),
     "supported": (0, 1),
 }

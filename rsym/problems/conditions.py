@@ -8,9 +8,10 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from rsym.analysis.conditions import BoundaryCondition, as_condition
+from rsym.analysis.conditions import BoundaryCondition, UnknownLevel, as_condition
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_parts
+from rsym.model.arguments import default
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
@@ -122,4 +123,6 @@ def given_by_name(
                     code="unknown-letter",
                     remedy=f"shape.replace(letters={{**shape.letters, '{symbol}': 1}}) gives the shape that letter",
                 )
+        if isinstance(condition, UnknownLevel):
+            default(condition.flow, shape.letters, "the flow through a part at an unknown level")
     return given

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from rsym.analysis.conditions import Switched, UnknownLevel
+from rsym.analysis.conditions import BoundaryCondition, Switched, UnknownLevel
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
+from rsym.model.arguments import default
+from rsym.model.wording import listing
 from rsym.problems.conditions import assigned, resolved
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.loops import holes
@@ -50,7 +52,21 @@ def posed(problem: Problem) -> Problem:
         conditions[leaf] = None
     unknown = [leaf for leaf, one in enumerate(conditions) if isinstance(one, UnknownLevel)]
     every, cuts = placed_conditions(problem.shape, problem.form, conditions, problem.order)
-    return replace(problem, conditions=every, levels=holes(problem.shape, unknown), corners=None, cuts=cuts)
+    levels = holes(problem.shape, unknown)
+    flows = tuple(_flow(problem, [conditions[leaf] for leaf in hole]) for hole in levels)
+    return replace(problem, conditions=every, levels=levels, flows=flows, corners=None, cuts=cuts)
+
+
+def _flow(problem: Problem, conditions: Sequence[BoundaryCondition | None]) -> float:
+    """What flows through the leaves of a hole; about an axis without 2 pi, as integrals are there."""
+    flows = {one.flow for one in conditions if isinstance(one, UnknownLevel)}
+    if len(flows) > 1:
+        raise RsymError(
+            f"parts of one closed curve have the flows {listing(map(str, flows))}: it has one",
+            code="condition",
+            remedy="say the same of all of its parts",
+        )
+    return default(flows.pop(), problem.shape.letters) / (1.0 if problem.axis < 0 else 2 * np.pi)
 
 
 def posed_again(problem: Problem, values: Mapping[Any, float]) -> Problem:

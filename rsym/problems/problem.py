@@ -82,7 +82,7 @@ class Problem:
     conditions : in the order of the leaves of `shape_form`; None where nothing is said, so nothing flows.
     axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
     levels : the leaves of the parts at unknown levels, one part after the other.
-    flows : what flows into each of these parts, nothing by default.
+    flows : what flows through each of these parts, outwards.
     corners : functions of corners; None if there are to be none.
     poisson : Poisson's ratio of a plate, where it matters.
     cuts : leaves on which conditions change; what holds outside stands after the conditions of all leaves.

@@ -274,7 +274,7 @@ class Solution:
             raise RsymError(
                 "this is a mode, with an eigenvalue of its own", code="letters", remedy="ask modes of other letters"
             )
-        if any(self.problem.flows):
+        if self.problem.levels and not self.problem.named:
             raise RsymError(
                 "this is the function of a twisted shaft, with what its holes of these letters need",
                 code="letters",

@@ -53,7 +53,7 @@ def solve(
         ``"-laplacian(u) = 2"``, ``"-div(k*grad(u)) + c*u = f"``, ``"-laplacian(u) + dot([1, 0], grad(u)) = 0"``, or a
         SymPy equation in ``sympy.Function("u")(x, y)``. Text is read by a parser of its own and never run.
     conditions : mapping, or one condition for all of the boundary
-        Names of parts to a value, an expression, ``rsym.robin(c, h)``, ``rsym.neumann(h)``, ``rsym.constant()``;
+        Names of parts to a value, an expression, ``rsym.robin(c, h)``, ``rsym.neumann(h)``, ``rsym.constant(flow)``;
         the key ``...`` is the rest. Where nothing is said nothing flows. Plates, "bilaplacian(u) = q/D", have
         ``rsym.clamped()`` and ``rsym.supported()``; where nothing is said they are free.
     degree : int

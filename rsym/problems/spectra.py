@@ -242,7 +242,7 @@ def _require_mass(values: Floats, place: str) -> None:
 
 def _require_homogeneous(problem: Problem) -> None:
     """Refuse what makes L u = lambda*m*u no problem of eigenvalues."""
-    flowing = any(problem.conditions[leaf].flux != 0 for leaf in problem.leaves(Robin))  # type: ignore[union-attr]
+    flowing = any(problem.flows) or any(problem.conditions[leaf].flux != 0 for leaf in problem.leaves(Robin))  # type: ignore[union-attr]
     loaded = problem.equation.expressions["f"] != 0
     if problem.lift_expression != 0 or flowing or loaded or not problem.equation.symmetric:
         raise RsymError(

@@ -168,7 +168,8 @@ def _problem(shape: Shape) -> Problem:
             remedy="make each hole a part of its own",
         )
     equation = equation_of("-laplacian(u) = 2", shape.coordinates)
-    made = Problem(shape, equation, {}, (), levels=tuple(inner))
+    # Holes are found again for other letters, names do not tell them.
+    made = Problem(shape, equation, {} if inner else {...: dirichlet(0)}, (), levels=tuple(inner))
     level = {leaf for one in inner for leaf in one}
     conditions = tuple(constant() if k in level else dirichlet(0) for k in range(len(made.form.leaves)))
     return replace(made, conditions=conditions)

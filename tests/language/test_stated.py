@@ -53,6 +53,17 @@ def test_a_file_states_a_problem(loaded):
     assert found(*places) == pytest.approx(alike(*places), rel=1e-12)
 
 
+def test_a_file_states_a_hollow_shaft(loaded):
+    """Of a round one u = (1 - r^2)/2, at its level in the hole, through which twice its area flows."""
+    text = 'letter r = 0.5; rim = disc(1) "rim"; bore = disc(r) "bore"; omega = rfAND(rim, -bore); on rim = 0\n'
+    found = loaded(text + "on bore = constant(2*pi*r^2); equation -laplacian(u) = 2").solve(cells=8)
+    for solution, level in ((found, 0.375), (found.with_letters({"r": 0.4}), 0.42)):
+        assert solution.others[0] == pytest.approx(level, rel=1e-4)
+    with pytest.raises(RsymError, match="contains x, a coordinate") as caught:
+        loaded(text + "on bore = constant(1 + x)")
+    assert caught.value.where == "line 2, column 1"
+
+
 def test_the_shape_is_as_without_these_lines():
     with_lines, without = loads(PLATE + STATED), loads(PLATE)
     assert with_lines == without

@@ -86,6 +86,17 @@ def test_a_hole_at_an_unknown_level_has_no_flux():
     assert abs(found.flux("bore")) < 1e-4
 
 
+def test_what_flows_through_a_hole_is_given():
+    """What flows out through a hole comes in at the rim, about an axis too; a curve of two parts has one flow."""
+    conditions = {"rim": 0, "bore": rsym.constant(3)}
+    found = rsym.solve(RING.translate(2, 0), "-laplacian(u) = 0", conditions, cells=12, axis=y)
+    assert abs(found.flux("rim") + 3) < 1e-3
+    slot = RIM - (rsym.disc(sp.Rational(1, 2)).named("bore") | rsym.rectangle(sp.Rational(6, 5), 0.2).named("slot"))
+    conditions = {"rim": 0, "bore": rsym.constant(1), "slot": rsym.constant(2)}
+    with pytest.raises(rsym.RsymError, match="one closed curve have the flows"):
+        rsym.solve(slot, "-laplacian(u) = 0", conditions, cells=12)
+
+
 def test_about_an_axis_operators_are_those_of_space():
     half = RIM & rsym.half_plane((1, 0), 0)
     ball = rsym.solve(half, "-laplacian(u) = 1", {"rim": 0}, cells=8, axis=y)

@@ -80,7 +80,7 @@ def test_masses_that_are_none_are_refused():
 
 
 def test_what_is_not_homogeneous_is_refused():
-    for given in ({"conditions": rsym.neumann(1)}, {"equation": "-laplacian(u) = 7"}):
+    for given in ({"conditions": rsym.neumann(1)}, {"conditions": rsym.constant(1)}, {"equation": "-laplacian(u) = 7"}):
         with pytest.raises(rsym.RsymError, match="fluxes 0"):
             rsym.modes(rsym.disc(1), 1, cells=8, **given)
     with pytest.raises(rsym.RsymError, match="values 0"):

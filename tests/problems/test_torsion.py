@@ -50,6 +50,15 @@ def test_letters_compile_nothing(monkeypatch):
         assert abs(float(shaft.with_letters({"d": value})) / exact - 1) < 3e-7
 
 
+def test_the_function_of_a_shaft_for_other_letters():
+    d = sp.Symbol("d", real=True)
+    solid = rsym.torsion(rsym.disc(d, letters={d: 2}), cells=8).solution.with_letters({"d": 1})
+    assert abs(2 * solid.integral() - math.pi / 2) < 1e-9
+    hollow = rsym.torsion(rsym.disc(1) - rsym.disc(d, letters={d: 0.5}), cells=8).solution
+    with pytest.raises(rsym.RsymError, match="twisted shaft"):
+        hollow.with_letters({"d": 0.4})
+
+
 def test_curves_of_a_boundary():
     slot = rsym.rectangle(sp.Rational(3, 10), 1).translate(0, 1)
     loops = loops_of(rsym.disc(1) - slot - rsym.disc(sp.Rational(2, 5)))
