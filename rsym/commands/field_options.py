@@ -17,14 +17,16 @@ if TYPE_CHECKING:
     from rsym.problems.refinement import Grade
     from rsym.problems.stated import StatedProblem
 
-DATA = ".vtu"
+DATA, LINES = ".vtu", ".dxf"
 
 
-def add_picture(parser: argparse.ArgumentParser) -> None:
-    """The picture, which need not be."""
+def add_picture(parser: argparse.ArgumentParser, *, lines: bool = True) -> None:
+    """The picture, which need not be; `lines`: whether there are level lines."""
+    drawn = f", {LINES} for level lines" if lines else ""
     parser.add_argument(
-        "-o", "--output", metavar="FILE", help="a picture: .png, .svg, .pdf or .eps; or .vtu for ParaView"
+        "-o", "--output", metavar="FILE", help=f"a picture: .png, .svg, .pdf or .eps; or {DATA} for ParaView{drawn}"
     )
+    parser.set_defaults(lined=lines)
 
 
 def check_output(options: argparse.Namespace, shape: Shape) -> None:
@@ -36,7 +38,8 @@ def check_output(options: argparse.Namespace, shape: Shape) -> None:
         if options.output.lower().endswith(DATA):
             optional_package("meshio", f"a file {DATA}")
             return
-        picture_suffix(options.output)
+        if not (options.lined and options.output.lower().endswith(LINES)):
+            picture_suffix(options.output)
         if shape.dimension != 2:
             raise RsymError(
                 f"a field in space has no picture in the plane, got {options.output}",
@@ -51,7 +54,7 @@ def write_output(found: Field, draw: Callable[[], Any], options: argparse.Namesp
     from rsym.output.pictures import write_picture
 
     if options.output is not None:
-        to_others = options.output.lower().endswith(DATA)
+        to_others = options.output.lower().endswith((DATA, LINES))
         print(write(found, options.output) if to_others else write_picture(draw(), options.output))
 
 

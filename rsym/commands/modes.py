@@ -34,7 +34,7 @@ def add(commands: Commands) -> None:
     add_conditions(parser, "those of the model file, or 0 on all of the boundary")
     add_refinement(parser)
     add_section(parser)
-    add_picture(parser)
+    add_picture(parser, lines=False)
 
 
 def run(options: argparse.Namespace) -> None:

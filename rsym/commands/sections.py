@@ -46,8 +46,9 @@ def add(commands: Commands) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Cut, and write the layers or the picture."""
+    from rsym.output.layers import LAYERS
     from rsym.output.pictures import picture_suffix, write_picture
-    from rsym.output.sections import LAYERS, plot_sections, write_sections
+    from rsym.output.sections import plot_sections, write_sections
     from rsym.sampling.sections import sections
 
     layered = Path(options.output).suffix.lower() in LAYERS

@@ -6,7 +6,7 @@ takes `ax=` or a figure and returns its artist.
 files.py, formats.py, units.py                     meshes to files: a row per format, lengths
 interactive.py, viewing.py                         the page that turns; the browser
 exchange.py, field_data.py                         other packages' meshes; solutions on cells that fill their shapes
-dxf.py, models.py, points.py                       curves; model files, letters; measured points
+layers.py, dxf.py, models.py, points.py            lines in a plane, curves; model files, letters; measured points
 looks.py, panels.py, fields.py, sign_pictures.py   level lines: looks, one panel, what users call, several; signs
 boundaries.py, modes.py, torsion.py                solutions: named boundaries, sheets of modes, stress lines
 deformations.py, fits.py                           bent bodies with their stress; letters and data: residuals, speeds

@@ -1,4 +1,4 @@
-"""Sections and features as DXF: release 12 in ASCII, which every program that cuts or mills reads."""
+"""Layers of lines and features as DXF: release 12 in ASCII, which every program that cuts or mills reads."""
 
 from __future__ import annotations
 
@@ -10,34 +10,10 @@ import numpy as np
 
 from rsym.arrays import Floats
 from rsym.output.units import UNITS
-from rsym.sampling.sections import Section
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.answers.singular import SingularCurve
 
 Tags = Iterable[tuple[int, Any]]
-
-
-def dxf(shown: Sequence[Section], unit: str, scale: float) -> bytes:
-    """Encode sections: a layer for each, a polyline for each line, at the height of the section.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y, z
-    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
-    >>> data = dxf(rsym.sections(ball, [0.5], resolution=16), "mm", 10.0)
-    >>> data.count(b"POLYLINE"), data.count(b"VERTEX"), data.splitlines()[-1]
-    (1, 28, b'EOF')
-    """
-    return _document(
-        [
-            (layer_name(section), scale * section.in_space(line)[:, _order(section)])
-            for section in shown
-            for line in section.lines
-        ],
-        unit,
-        flat=True,
-    )
 
 
 def features_dxf(features: Sequence[Feature | SingularCurve], unit: str, scale: float) -> bytes:
@@ -51,7 +27,7 @@ def features_dxf(features: Sequence[Feature | SingularCurve], unit: str, scale: 
     >>> features_dxf(rsym.mesh(ball & side, 16).features, "mm", 1.0).count(b"BALL-CUT") > 40
     True
     """
-    return _document([(_layer_of(feature.names), scale * feature.points) for feature in features], unit, flat=False)
+    return layers_dxf([(_layer_of(feature.names), scale * feature.points) for feature in features], unit, flat=False)
 
 
 def _layer_of(names: Sequence[str]) -> str:
@@ -59,7 +35,7 @@ def _layer_of(names: Sequence[str]) -> str:
     return "-".join(re.sub(r"[^A-Z0-9]+", "_", name.upper())[:15] for name in names if name) or "CURVES"
 
 
-def _document(lines: Sequence[tuple[str, Floats]], unit: str, *, flat: bool) -> bytes:
+def layers_dxf(lines: Sequence[tuple[str, Floats]], unit: str, *, flat: bool) -> bytes:
     """Lines (n, 3) on layers; flat ones are drawn in the plane at the height of their first point."""
     layers = list(dict.fromkeys(layer for layer, _ in lines))
     tags = [*_header([line for _, line in lines], unit), *_tables(layers), (0, "SECTION"), (2, "ENTITIES")]
@@ -69,18 +45,15 @@ def _document(lines: Sequence[tuple[str, Floats]], unit: str, *, flat: bool) -> 
     return "".join(f"{code:3d}\n{_written(value)}\n" for code, value in tags).encode("ascii")
 
 
-def layer_name(section: Section) -> str:
-    """The axis and the value in the letters, digits and signs that release 12 allows: Z_-2P5 is z = -2.5.
+def layer_name(name: str) -> str:
+    """A name as in z=-2.5 in the letters, digits and signs that release 12 allows: Z_-2P5.
 
     Examples
     --------
-    >>> import rsym
-    >>> from rsym import x, y, z
-    >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2),) * 3)
-    >>> [layer_name(section) for section in rsym.sections(ball, [-0.5, 1e-7], resolution=16)]
-    ['Z_-0P5', 'Z_1E-07']
+    >>> [layer_name(name) for name in ("z=-0.5", "u=1e-07", "outline")]
+    ['Z_-0P5', 'U_1E-07', 'OUTLINE']
     """
-    return f"{section.axis}_{section.value:.9g}".replace(".", "P").replace("+", "").upper()
+    return name.replace("=", "_").replace(".", "P").replace("+", "").upper()
 
 
 def _header(lines: Sequence[Floats], unit: str) -> Tags:
@@ -89,11 +62,6 @@ def _header(lines: Sequence[Floats], unit: str) -> Tags:
     for name, corner in (("$EXTMIN", points.min(axis=0)), ("$EXTMAX", points.max(axis=0))):
         yield from [(9, name), (10, corner[0]), (20, corner[1]), (30, corner[2])]
     yield 0, "ENDSEC"
-
-
-def _order(section: Section) -> list[int]:
-    """The coordinates of the plane, then the one across it."""
-    return [*(k for k in range(3) if k != section.normal), section.normal]
 
 
 def _tables(layers: Sequence[str]) -> Tags:

@@ -1,9 +1,9 @@
-"""Meshes to files: the format by suffix, the file whole or not at all."""
+"""Meshes, shapes and fields to files: the format by suffix, the file whole or not at all."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +14,18 @@ from rsym.model.shape import Shape
 from rsym.model.wording import documented
 from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.dxf import features_dxf
-from rsym.output.exchange import Resolution, vtu_of_field
+from rsym.output.exchange import vtu_of_field
 from rsym.output.field_data import FIELDS, Field
 from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
 from rsym.output.images import Image
-from rsym.output.units import check_unit, sized
+from rsym.output.layers import LAYERS, level_layers, longest_side, write_layers
+from rsym.output.units import check_unit, factor_of, sized
 from rsym.sampling.mesh import Mesh
+from rsym.sampling.plane import GivenField
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.answers.singular import SingularCurve
+
+_OF_FIELDS = "rsym.to_meshio(field).write(path) has other formats"
 
 
 @documented(formats=table_of_formats(), coloured=coloured_formats().replace(" or ", "`` and ``"))
@@ -34,12 +38,15 @@ def write(
     scale: float | None = None,
     colour_by: str | None = None,
     resolution: int | Sequence[int] | None = None,
+    levels: float | Sequence[float] | None = None,
 ) -> Path:
     """Write a mesh to a file, in the format that the suffix names; a rendered picture as ``.png``; a shape as a page.
 
     The page of a shape, ``.html``, has a slider for each letter. What `solve`, `modes`, `torsion` or `elasticity`
     answered is written as ``.vtu`` of ParaView, on cells that fill the shape; `to_meshio` tells which, and the names of
-    the data.
+    the data. A shape in the plane, what `solve` found on one and the stress lines of `torsion` are lines too, ``.svg``
+    or ``.dxf``, in true scale: the outline with its corners is the layer ``outline``, level lines are layers as
+    ``u=0.5``, of a shape ``omega=0.5``, in DXF ``U_0P5``.
 
     {formats}
 
@@ -56,11 +63,12 @@ def write(
     ----------
     mesh : Mesh, Image, Shape, Solution, Spectrum, Torsion or ElasticSolution
         The triangles, in the order and with the orientation of ``mesh.faces``; or what `render` gave, which takes none
-        of the options; or a shape, which is written as ``.html`` alone; or a field, which takes `resolution` alone.
+        of the options, as the page of a shape; or a field, which as ``.vtu`` takes `resolution` alone. Lines take all
+        but `colour_by`.
     path : str or path-like
         Where to; the folder must exist.
     unit : {"mm", "cm", "m", "in"}, optional
-        The unit of lengths in the file; without it that of `size`, if it names one.
+        The unit of lengths in the file; without it that of `size`, if it names one. That of lines is "mm" then.
     size : number or text, optional
         How long the longest side of the mesh gets, in `unit`, or as in "120mm".
     scale : float, optional
@@ -68,7 +76,9 @@ def write(
     colour_by : "part", optional
         Give each part its colour, and in ``.glb`` an object of its name: only in ``{coloured}``.
     resolution : int or one for each axis, optional
-        Of a field: cells along the longest side; 160 in the plane and 32 in space without it.
+        Of a field: cells along the longest side; 160 in the plane and 32 in space without it, of lines 512.
+    levels : number or sequence of numbers, optional
+        Of lines; without it those of a solution are round, as those of `plot_field`, and a shape has its outline alone.
 
     Returns
     -------
@@ -103,16 +113,26 @@ def write(
     3 1 2 3
     <BLANKLINE>
     """
-    of_a_mesh = unit, size, scale, colour_by
+    lengths = {"unit": unit, "size": size, "scale": scale}
+    given = {**lengths, "colour_by": colour_by, "resolution": resolution, "levels": levels}
     if isinstance(mesh, Image):
-        if any(option is not None for option in (*of_a_mesh, resolution)):
-            raise RsymError("a picture has neither units nor sizes", code="picture", remedy="give the path alone")
+        _require_options("a picture", given, ())
         return mesh.save(path)
     path = file_path(path)
+    suffix = path.suffix.lower()
+    if suffix in LAYERS and isinstance(mesh, Shape | GivenField):
+        _require_options(f"level lines as {suffix}", given, (*lengths, "resolution", "levels"))
+        layers = level_layers(mesh, levels, resolution)
+        factor, unit = factor_of(longest_side(layers), **lengths)
+        return write_layers(layers, path, unit or "mm", factor)
     if isinstance(mesh, FIELDS):
-        return _write_field(mesh, path, resolution, *of_a_mesh)
+        _require_written_as("a field", path, (".vtu", *(LAYERS if isinstance(mesh, GivenField) else ())), _OF_FIELDS)
+        _require_options("a field as .vtu", given, ("resolution",))
+        return write_atomically(path, vtu_of_field(mesh, resolution))
     if isinstance(mesh, Shape):
-        return _write_page(mesh, path, *of_a_mesh, resolution)
+        _require_written_as("a shape", path, (".html", *LAYERS), "write rsym.mesh(shape)")
+        _require_options("the page of a shape", given, ())
+        return DesignPage(page_of(mesh, title=path.stem)).write(path)
     require_kind(Mesh, mesh, "mesh")
     row = FORMATS.get(path.suffix.lower())
     if colour_by not in (None, "part") or (colour_by and not (row and row.coloured)):
@@ -129,35 +149,32 @@ def write(
             where=str(path),
             remedy=f"end the name with one of: {', '.join(FORMATS)}",
         )
-    if resolution is not None:
-        raise RsymError(
-            "a mesh has the resolution it was made with", code="resolution", remedy="rsym.mesh(shape, resolution)"
-        )
+    _require_options("a mesh", given, (*lengths, "colour_by"), "; rsym.mesh(shape, resolution) makes a finer one")
     mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
     encode = row.coloured if colour_by and row.coloured else row.encode
     return write_atomically(path, encode(mesh, unit))
 
 
-def _write_field(field: Field, path: Path, resolution: Resolution, *of_a_mesh: float | str | None) -> Path:
-    if path.suffix.lower() != ".vtu" or any(option is not None for option in of_a_mesh):
+def _require_options(what: str, given: Mapping[str, Any], taken: Collection[str], instead: str = "") -> None:
+    """Refuse options that what is written does not take."""
+    wrong = [name for name, value in given.items() if value is not None and name not in taken]
+    if wrong:
         raise RsymError(
-            "a field is written as .vtu, without options of a mesh",
-            code="file-format",
-            where=str(path),
-            remedy="end the name with .vtu; rsym.to_meshio(field).write(path) has other formats",
+            f"{what} takes {', '.join(taken) or 'no options'}, got {', '.join(wrong)}",
+            code="options",
+            remedy=f"leave {', '.join(wrong)} out{instead}",
         )
-    return write_atomically(path, vtu_of_field(field, resolution))
 
 
-def _write_page(shape: Shape, path: Path, *of_a_mesh: Any) -> Path:
-    if path.suffix.lower() != ".html" or any(option is not None for option in of_a_mesh):
+def _require_written_as(what: str, path: Path, suffixes: Sequence[str], instead: str) -> None:
+    """Refuse another suffix."""
+    if path.suffix.lower() not in suffixes:
         raise RsymError(
-            "a shape is written as .html, without options of a mesh",
+            f"{what} is written as {' or '.join(suffixes)}, got {path.name}",
             code="file-format",
             where=str(path),
-            remedy="write rsym.mesh(shape), or end the name with .html",
+            remedy=f"end the name with {' or '.join(suffixes)}; {instead}",
         )
-    return DesignPage(page_of(shape, title=path.stem)).write(path)
 
 
 def write_features(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
 from matplotlib import colormaps
@@ -16,22 +15,19 @@ from matplotlib.colors import Normalize
 from matplotlib.path import Path as Outline
 
 from rsym.arrays import Floats
-from rsym.atomic import write_atomically
 from rsym.errors import RsymError, warn
-from rsym.model.requirements import file_path, several
+from rsym.model.requirements import several
 from rsym.output.cameras import Camera
-from rsym.output.dxf import dxf
+from rsym.output.layers import Layer, Layers, checked_suffix, layer_of, write_layers
 from rsym.output.paints import checked_limits, checked_map
 from rsym.output.pictures import require_axes
 from rsym.output.shading import AZIMUTH
-from rsym.output.units import UNITS, check_unit
+from rsym.output.units import check_unit
 from rsym.sampling.sections import Section
 
-LAYERS = (".svg", ".dxf")
 COLOUR_MAP = "viridis"
 LIGHTEST = 0.92  # the bright end of a map is too pale for thin lines on white paper
 FILL = 0.22  # the share of a layer's colour in its fill; the rest is white
-DIGITS = 9  # significant digits of coordinates in SVG; a metre to a nanometre
 
 
 def plot_sections(
@@ -176,54 +172,23 @@ def write_sections(
     >>> text.count("<g "), "1 unit of the model is 10 mm" in text
     (3, True)
     """
-    path = file_path(path)
-    suffix = path.suffix.lower()
-    if suffix not in LAYERS:
-        raise RsymError(
-            f"sections are written as {' or '.join(LAYERS)}, got {str(path)!r}",
-            code="suffix",
-            remedy=f"end the name with {' or '.join(LAYERS)}",
-        )
+    path = checked_suffix(path, "sections")
     check_unit(unit, scale)
     shown = _with_lines(sections)
     if len({section.axis for section in shown}) != 1:
         raise RsymError("layers of one file must have one axis", code="section", remedy="write a file for each axis")
-    if suffix == ".svg" and unit == "m":  # which SVG does not know
-        unit, scale = "mm", scale * UNITS["m"].metres / UNITS["mm"].metres
-    return write_atomically(path, dxf(shown, unit, scale) if suffix == ".dxf" else svg(shown, unit, scale).encode())
+    return write_layers(layers_of(shown), path, unit, scale)
 
 
-def svg(shown: Sequence[Section], unit: str, scale: float) -> str:
-    """Sections as SVG text; the second coordinate points up, as in the model."""
-    points = np.concatenate([line for section in shown for line in section.lines])
-    low, high = points.min(axis=0) * scale, points.max(axis=0) * scale
-    width, height = (_number(length) for length in high - low)
-    layers = "\n".join(_layer(section, scale) for section in shown)
-    first, second = (escape(name) for name in shown[0].coordinates)
-    return f"""<?xml version="1.0" encoding="UTF-8"?>
-<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"
- width="{width}{unit}" height="{height}{unit}" viewBox="{_number(low[0])} {_number(-high[1])} {width} {height}">
-<desc>Sections {escape(shown[0].axis)} = constant; {first} to the right, {second} up; 1 unit of the model is \
-{_number(scale)} {unit}.</desc>
-<g transform="scale(1 -1)" fill="none" stroke="black" stroke-width="{_number(1e-3 * float(np.max(high - low)))}">
-{layers}
-</g>
-</svg>
-"""
+def layers_of(shown: Sequence[Section]) -> Layers:
+    """Sections along one axis as layers, each at its height.
 
-
-def _layer(section: Section, scale: float) -> str:
-    name = quoteattr(f"{section.axis}={section.value:.{DIGITS}g}")
-    paths = "\n".join(f'<path d="{_path(line * scale)}"/>' for line in section.lines)
-    return f'<g id={name} inkscape:groupmode="layer" inkscape:label={name}>\n{paths}\n</g>'
-
-
-def _path(line: Floats) -> str:
-    closed = bool((line[0] == line[-1]).all())
-    corners = line[:-1] if closed else line
-    return "M" + " L".join(f"{_number(u)} {_number(v)}" for u, v in corners) + (" Z" if closed else "")
-
-
-def _number(value: float) -> str:
-    """A number without negative zero, which two equal drawings could differ in."""
-    return f"{value:.{DIGITS}g}" if abs(value) > 1e-12 else "0"
+    Examples
+    --------
+    >>> import rsym
+    >>> (layer,) = layers_of(rsym.sections(rsym.sphere(1), [-0.5], resolution=16)).each
+    >>> layer.name, layer.height, len(layer.lines)
+    ('z=-0.5', -0.5, 1)
+    """
+    each = [Layer(layer_of(one.axis, one.value), one.lines, one.value) for one in shown]
+    return Layers(f"Sections {shown[0].axis} = constant", shown[0].coordinates, each)

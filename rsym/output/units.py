@@ -71,16 +71,28 @@ def sized(mesh: Mesh, *, unit: Any = None, size: Any = None, scale: Any = None) 
     ('mm', [30.0, 60.0, 120.0])
     """
     require_kind(Mesh, mesh, "mesh")
+    longest = max(high - low for low, high in mesh.bounds)
+    factor, unit = factor_of(longest, unit=unit, size=size, scale=scale)
+    return mesh if factor == 1.0 else mesh.scale(factor), unit
+
+
+def factor_of(longest: float, *, unit: Any = None, size: Any = None, scale: Any = None) -> tuple[float, str | None]:
+    """How many units, and of which, one unit of the model becomes whose longest side is so long; as `sized`.
+
+    Examples
+    --------
+    >>> factor_of(4.0, size="12cm", unit="mm"), factor_of(4.0, scale=2)
+    ((30.0, 'mm'), (2.0, None))
+    """
     check_size(unit=unit, size=size, scale=scale)
     factor = 1.0 if scale is None else float(scale)
     if size is not None:
         length, own = _length(size)
         unit = unit or own
-        longest = max(high - low for low, high in mesh.bounds)
         if not longest:
             raise RsymError("a mesh of one point has no size", code="size", remedy="give scale instead")
         factor = length * (UNITS[own].metres / UNITS[unit].metres if own and own != unit else 1.0) / longest
-    return mesh if factor == 1.0 else mesh.scale(factor), unit
+    return factor, unit
 
 
 def check_size(*, unit: Any = None, size: Any = None, scale: Any = None) -> None:

@@ -27,8 +27,9 @@ from rsym.model.constructions import revolve
 from rsym.model.shape import Bounds, Shape
 from rsym.output.fields import plot_field
 from rsym.output.image_axes import plot_image
+from rsym.output.layers import svg
 from rsym.output.rendering import render
-from rsym.output.sections import plot_sections, svg
+from rsym.output.sections import layers_of, plot_sections
 from rsym.output.surfaces import plot_mesh
 from rsym.paper import preference
 from rsym.paper.drawing import Drawing, Table, figure_of, letters_text, mesh_quietly
@@ -185,7 +186,7 @@ def draw_sections() -> Drawing:
         f"triangulation; {kept} of {vertices} vertices, at corners, "
         f"keep the place of linear interpolation. Layers in true scale, 1 unit = {MILLIMETRES:g} mm"
     )
-    layers = svg(stack, "mm", MILLIMETRES).encode()
+    layers = svg(layers_of(stack), "mm", MILLIMETRES).encode()
     return Drawing(figure, letters_text(shape.letters), 0, remark, files={LAYERS: layers})
 
 

@@ -7,16 +7,17 @@ different leaves, the point that both leaves have in common goes between them.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
-from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus
+from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
-from rsym.sampling.plane_leaves import PlaneLeaves
+from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves
 from rsym.sampling.roots import bracketed_roots
 
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
@@ -28,6 +29,34 @@ SMOOTH_JOINT = 1e-2
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     """The lines omega = 0 of a prepared plane."""
     return outline_on_edges(sampler, leaves, sampler.signs())[0]
+
+
+def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
+    """The same cut off at the bounds of the plane; new ends slide along the border onto the leaf beside them."""
+    found = outline(sampler, leaves)
+    lines, ends = cropped(found, sampler.bounds)
+    if not ends:
+        return found
+    places = np.array([lines[line][vertex] for line, vertex, _ in ends])
+    at, along = np.arange(len(ends)), np.array([1 - axis for _, _, axis in ends])
+    points, leaf = places.copy(), leaves.distance(places)[1]
+    with np.errstate(all="ignore"):
+        for _ in range(NEWTON_STEPS):
+            ((value, gradient),) = leaves.of(points, leaf)
+            points[at, along] -= value / gradient[at, along]
+    low, high = np.array(sampler.bounds, float).T
+    chord = np.array(
+        [
+            np.abs(np.diff(lines[line][[vertex, 1 if vertex == 0 else vertex - 1]], axis=0)).max()
+            for line, vertex, _ in ends
+        ]
+    )
+    good = ((points >= low) & (points <= high)).all(axis=1) & (np.abs(points - places).max(axis=1) <= chord)
+    for (line, vertex, _), place in zip(ends, np.where(good[:, None], points, places), strict=True):
+        lines[line][vertex] = place
+    closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
+    status = replace(found.status, vertices=sum(map(len, lines)), closed=closed, open=len(lines) - closed)
+    return replace(found, lines=tuple(lines), status=status)
 
 
 def outline_on_edges(

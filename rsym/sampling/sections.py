@@ -12,12 +12,12 @@ from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.model.symbols import z
-from rsym.sampling.contours import LevelLines, cropped
-from rsym.sampling.outlines import outline
+from rsym.sampling.contours import LevelLines
+from rsym.sampling.outlines import outline_within
 from rsym.sampling.plane import plane_sampler
-from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves, leaves_of
+from rsym.sampling.plane_leaves import leaves_of
 from rsym.sampling.progress import Progress, Steps
 
 
@@ -137,34 +137,7 @@ def sections(
     for height in heights:
         fixed = {normal: height}
         here = leaves.at(fixed, places)
-        lines = _within(outline(replace(first, fixed=fixed), here), first.bounds, here)
+        lines = outline_within(replace(first, fixed=fixed), here)
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
     return tuple(found)
-
-
-def _within(found: LevelLines, bounds: Bounds, leaves: PlaneLeaves) -> LevelLines:
-    """Lines cut off at the bounds; their new ends slide along the border onto the leaf beside them."""
-    lines, ends = cropped(found, bounds)
-    if not ends:
-        return found
-    places = np.array([lines[line][vertex] for line, vertex, _ in ends])
-    at, along = np.arange(len(ends)), np.array([1 - axis for _, _, axis in ends])
-    points, leaf = places.copy(), leaves.distance(places)[1]
-    with np.errstate(all="ignore"):
-        for _ in range(NEWTON_STEPS):
-            ((value, gradient),) = leaves.of(points, leaf)
-            points[at, along] -= value / gradient[at, along]
-    low, high = np.array(bounds, float).T
-    chord = np.array(
-        [
-            np.abs(np.diff(lines[line][[vertex, 1 if vertex == 0 else vertex - 1]], axis=0)).max()
-            for line, vertex, _ in ends
-        ]
-    )
-    good = ((points >= low) & (points <= high)).all(axis=1) & (np.abs(points - places).max(axis=1) <= chord)
-    for (line, vertex, _), place in zip(ends, np.where(good[:, None], points, places), strict=True):
-        lines[line][vertex] = place
-    closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
-    status = replace(found.status, vertices=sum(map(len, lines)), closed=closed, open=len(lines) - closed)
-    return replace(found, lines=tuple(lines), status=status)

@@ -54,6 +54,11 @@ def test_a_problem_on_the_line(ring, tmp_path, capsys):
     out = capsys.readouterr().out
     assert path.read_bytes().startswith(b"\x89PNG")
     assert out.endswith(f"{path}\n")
+    assert main(["solve", ring, *line, "-o", str(tmp_path / "lines.dxf")]) == 0
+    assert "U_0P1" in (tmp_path / "lines.dxf").read_text()
+    capsys.readouterr()
+    assert main(["modes", ring, "-o", str(tmp_path / "lines.dxf")]) == 1
+    assert "a picture is written as" in capsys.readouterr().err
     # u = -log r
     assert told(out, "maximum") == pytest.approx(math.log(2), rel=1e-3)
     assert told(out, "minimum") == 0

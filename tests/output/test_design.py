@@ -64,7 +64,7 @@ def test_a_part_knows_its_letters():
 def test_a_shape_is_written_as_a_page_alone(tmp_path):
     with pytest.raises(RsymError, match="a shape is written as"):
         rsym.write(BALL, tmp_path / "ball.stl")
-    with pytest.raises(RsymError, match="without options of a mesh"):
+    with pytest.raises(RsymError, match="takes no options, got unit"):
         rsym.write(BALL, tmp_path / "ball.html", unit="mm")
 
 

@@ -93,7 +93,7 @@ def test_what_is_smaller_than_a_cell_is_warned_of():
 def test_refusals_leave_no_file(tmp_path, monkeypatch):
     for name, options, words in (
         ("u.stl", {}, "a field is written as .vtu"),
-        ("u.vtu", {"unit": "mm"}, "without options of a mesh"),
+        ("u.vtu", {"unit": "mm"}, "takes resolution, got unit"),
         ("u.vtu", {"resolution": 0}, "resolution must be"),
         ("no/u.vtu", {}, "folder"),
     ):
