@@ -84,11 +84,11 @@ def add_axes(figure: FigureBase, place: Any) -> BodyAxes:
 
 @dataclass(frozen=True)
 class Bar:
-    """What a colour bar shows: a scale, its name, whether values may lie beyond its ends, and where its ticks are."""
+    """What a colour bar shows: a scale, its name, at which ends values lie beyond, and where its ticks are."""
 
     scale: ScalarMappable
     label: str
-    extend: str = "both"
+    extend: str | None = None  # as the colours have it
     ticks: tuple[float, ...] | None = None
 
 

@@ -100,8 +100,7 @@ def explain(artist: Body) -> None:
     """Put a colour bar or a legend beside a body that has a figure of its own."""
     axes: Any = artist.axes
     if artist.scale is not None:
-        beyond = str(artist.scale.get_cmap().colorbar_extend)
-        axes3d.colour_bar(axes, axes3d.Bar(artist.scale, artist.scale_label, beyond))
+        axes3d.colour_bar(axes, axes3d.Bar(artist.scale, artist.scale_label))
     for bar in artist.bars:
         axes3d.colour_bar(axes, bar)
     if artist.parts:

@@ -17,7 +17,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.output.paints import checked_limits, checked_map
+from rsym.output.paints import beyond, checked_limits, checked_map
 from rsym.output.pictures import require_axes
 from rsym.sampling.combs import Comb, combs
 
@@ -197,9 +197,7 @@ def _colours(values: Floats, longest: float, limits: tuple[float, float] | None)
 def _colour_bar(ax: Axes, teeth: LineCollection, found: Sequence[Comb]) -> None:
     """Pointed at an end that the curvature exceeds somewhere."""
     values, (low, high) = np.concatenate([comb.curvature for comb in found]), teeth.get_clim()
-    under, over = bool((values < low).any()), bool((values > high).any())
-    ends = {(False, False): "neither", (False, True): "max", (True, False): "min", (True, True): "both"}
-    bar = ax.figure.colorbar(teeth, ax=ax, pad=0.02, shrink=0.7, extend=ends[under, over])
+    bar = ax.figure.colorbar(teeth, ax=ax, pad=0.02, shrink=0.7, extend=beyond(values, low, high))
     bar.set_label(r"curvature $\kappa$")
 
 

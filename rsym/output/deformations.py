@@ -15,7 +15,7 @@ from matplotlib.path import Path
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.model.requirements import require_kind
-from rsym.output.looks import Look, levels_of_sizes
+from rsym.output.looks import Look, levels_of_sizes, snapped
 from rsym.output.panels import colour_bar
 from rsym.output.pictures import require_axes
 from rsym.problems.elastic.result import ElasticSolution
@@ -130,9 +130,10 @@ def _filled(ax: Axes, lattice: Any, moved: Floats, stress: Floats, levels: Float
     known = np.isfinite(stress) & np.isfinite(moved).all(axis=-1)
     shift = np.where(known[..., None], moved, 0.0)
     colours, norm = look.colours(levels)
-    shown = np.ma.masked_where(~known, stress)
+    extend = look.beyond(levels, stress)
+    shown = np.ma.masked_where(~known, snapped(levels, stress, extend))
     artist = ax.contourf(
-        u + shift[..., 0], v + shift[..., 1], shown, levels=levels, cmap=colours, norm=norm, extend="both"
+        u + shift[..., 0], v + shift[..., 1], shown, levels=levels, cmap=colours, norm=norm, extend=extend
     )
     artist.set(rasterized=True)
     return artist

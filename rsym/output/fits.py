@@ -20,7 +20,7 @@ from rsym.model.shape import Bounds
 from rsym.output.axes3d import Bar
 from rsym.output.bodies import show
 from rsym.output.ink import dots
-from rsym.output.paints import checked_limits, checked_map, coat_of, one_colour, robust_limits
+from rsym.output.paints import beyond, checked_limits, checked_map, coat_of, one_colour, robust_limits
 from rsym.output.pictures import require_axes, require_report
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION, decode
 from rsym.output.surfaces import ShadedMesh
@@ -133,7 +133,7 @@ def _plane_fit(fit: Fit, ax: Axes | None, scale: ScalarMappable, known: Any, cel
     ax.set(aspect="equal", xlabel=f"${names[0]}$", ylabel=f"${names[1]}$")
     ax.set_title(f"{listed(list(fit.letters))} from {len(fit.points)} points", fontsize=11)
     if alone:
-        ax.figure.colorbar(drawn, ax=ax, shrink=0.8, extend="both").set_label(RESIDUAL)
+        ax.figure.colorbar(drawn, ax=ax, shrink=0.8).set_label(RESIDUAL)
     return drawn
 
 
@@ -206,7 +206,7 @@ def plot_sensitivity(
     names = [symbol.name for symbol in found.shape.coordinates]
     ax.set(aspect="equal", xlabel=f"${names[0]}$", ylabel=f"${names[1]}$")
     if alone:
-        ax.figure.colorbar(drawn, ax=ax, shrink=0.8, extend="both").set_label(label)
+        ax.figure.colorbar(drawn, ax=ax, shrink=0.8).set_label(label)
     return drawn
 
 
@@ -229,7 +229,8 @@ def _teeth(pieces: Floats, speed: Floats) -> tuple[Floats, Floats]:
 def _scale(values: Floats, limits: tuple[float, float] | None, colour_map: str | None) -> ScalarMappable:
     """Colours between limits, of two sides if those are about zero."""
     low, high = checked_limits(limits) if limits is not None else robust_limits(values)
-    colours: Colormap = colormaps[checked_map(colour_map) or ("coolwarm" if low == -high else "viridis")]
+    colours: Colormap = colormaps[checked_map(colour_map) or ("coolwarm" if low == -high else "viridis")].copy()
+    colours.colorbar_extend = beyond(values, low, high)  # type: ignore[assignment]
     return ScalarMappable(Normalize(low, high), colours)
 
 

@@ -11,6 +11,7 @@ from mpl_toolkits.mplot3d import Axes3D
 from rsym.arrays import Floats
 from rsym.output import axes3d
 from rsym.output.bodies import Body
+from rsym.output.paints import EXTENSIONS
 
 MARGIN = 6.0  # points round a body
 TITLE = 0.32  # inches above the bodies of a row that has titles
@@ -84,11 +85,14 @@ class Gallery:
         if parts:
             key = axes3d.named_colours(self.figure, parts)
             key.set_bbox_to_anchor(tuple((corner + np.array([0.0, height / 2])) / page))
-        scales = {body.scale_label: body.scale for body in bodies if body.scale is not None}
-        for label, scale in list(scales.items())[:1]:
+        scales = [(body.scale_label, body.scale) for body in bodies if body.scale is not None]
+        ends = {str(scale.get_cmap().colorbar_extend) for _, scale in scales}
+        # Where one of the bodies has values beyond an end.
+        extend = EXTENSIONS[bool(ends & {"min", "both"}), bool(ends & {"max", "both"})]
+        for label, scale in scales[:1]:
             place = (corner + np.array([0.1, 0.08 * height])) / page
             bar_axes = self.figure.add_axes((*place, *(np.array([BAR_WIDTH, 0.84 * height]) / page)))
-            self.figure.colorbar(scale, cax=bar_axes, extend="both").set_label(label, size=9)
+            self.figure.colorbar(scale, cax=bar_axes, extend=extend).set_label(label, size=9)
             bar_axes.tick_params(labelsize=8, length=2)
 
 

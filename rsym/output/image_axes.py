@@ -64,8 +64,7 @@ def plot_image(image: Image, *, ax: Axes | None = None) -> AxesImage:
     if alone:
         figure = ax.figure
         if image.scale is not None:
-            extend = str(image.scale.get_cmap().colorbar_extend)
-            figure.colorbar(image.scale, ax=ax, label=image.scale_label, extend=extend, shrink=0.7)
+            figure.colorbar(image.scale, ax=ax, label=image.scale_label, shrink=0.7)
         elif image.legend:
             key = named_colours(figure_of(artist), image.parts)
             key.set_loc("outside right center")

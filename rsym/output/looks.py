@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.output.paints import checked_limits, checked_map
+from rsym.output.paints import NOTHING, beyond, checked_limits, checked_map
 
 COLOUR_MAP, TWO_SIDED = "viridis", "RdBu_r"
 # Singular spots reach any height; the colours span what lies between these shares of all samples.
@@ -80,6 +80,21 @@ class Look:
             return self.colour_map or TWO_SIDED, TwoSlopeNorm(0.0, levels[0], levels[-1])
         return self.colour_map or COLOUR_MAP, Normalize(levels[0], levels[-1])
 
+    def beyond(self, levels: Floats, values: Floats, omega: Floats | None = None) -> str:
+        """At which ends of the levels there are values in the picture, what is hidden outside left out.
+
+        Examples
+        --------
+        >>> values = np.arange(25.0).reshape(5, 5)
+        >>> levels, look = np.array([6.0, 12.0]), Look(outside="mask")
+        >>> look.beyond(levels, values), look.beyond(levels, values, np.where(values < 12, 1.0, -1.0))
+        ('max', 'neither')
+        """
+        shown = values[..., 1:-1, 1:-1]  # what is beside the axes is not in the picture
+        if self.outside == "mask" and omega is not None:
+            shown = shown[omega[..., 1:-1, 1:-1] > 0]
+        return beyond(shown, levels[0], levels[-1])
+
     @property
     def veil(self) -> float:
         """The share of white over what is outside."""
@@ -87,6 +102,23 @@ class Look:
 
 
 PLAIN = Look()
+
+
+def snapped(levels: Floats, values: Floats, extend: str) -> Floats:
+    """Values, those that are rounding beyond an end of levels at this end, for nothing is filled there.
+
+    Examples
+    --------
+    >>> snapped(np.array([0.0, 1.0]), np.array([-1e-15, -1.0]), "neither").tolist()
+    [0.0, -1.0]
+    """
+    low, high = levels[0], levels[-1]
+    rounding = NOTHING * high - NOTHING * low
+    if extend in ("neither", "max"):
+        values = np.where((values < low) & (values >= low - rounding), low, values)
+    if extend in ("neither", "min"):
+        values = np.where((values > high) & (values <= high + rounding), high, values)
+    return values
 
 
 def robust_levels(values: Floats) -> Floats:

@@ -162,6 +162,18 @@ def value_coat(
     return Coat(lambda spots: colours(between(spots)), colours.scale, colours.label)
 
 
+def beyond(values: Floats, low: float, high: float) -> str:
+    """At which ends of its colours a bar has an arrow: where values lie beyond them, by more than rounding.
+
+    Examples
+    --------
+    >>> beyond(np.array([-1e-17, 0.5, np.nan]), 0.0, 1.0), beyond(np.array([0.5, 2.0]), 0.0, 1.0)
+    ('neither', 'max')
+    """
+    rounding = NOTHING * high - NOTHING * low
+    return EXTENSIONS[bool((values < low - rounding).any()), bool((values > high + rounding).any())]
+
+
 @dataclass(frozen=True)
 class ValueColours:
     """The colours of values: a scale for a colour bar, its name, and 256 linear colours from its low to its high end.
@@ -190,9 +202,7 @@ class ValueColours:
         """Those between limits; without them the values, `unit` and the shares of the surface choose."""
         low, high = checked_limits(limits) if limits is not None else robust_limits(values, unit, shares)
         colours = colormaps[checked_map(colour_map) or ("coolwarm" if low == -high else "viridis")].copy()
-        rounding = NOTHING * (high - low)
-        under, over = bool((values < low - rounding).any()), bool((values > high + rounding).any())
-        colours.colorbar_extend = EXTENSIONS[under, over]  # type: ignore[assignment]
+        colours.colorbar_extend = beyond(values, low, high)  # type: ignore[assignment]
         table = decode(colours(np.linspace(0.0, 1.0, 256))[:, :3])
         scale = ScalarMappable(Normalize(low, high), colours)
         return cls(scale, label + _everywhere(values, unit) if label else "", table)

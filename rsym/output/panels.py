@@ -19,7 +19,7 @@ from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 from rsym.errors import RsymError, RsymWarning, warn
-from rsym.output.looks import PLAIN, Look
+from rsym.output.looks import PLAIN, Look, snapped
 from rsym.program.calculus import SCALARS, title_of
 from rsym.sampling.plane import PlaneSampler, PlaneView
 
@@ -41,14 +41,17 @@ def draw_levels(
     omega: NDArray[np.float64] | None = None,
     *,
     lined: bool = True,
+    extend: str | None = None,
 ) -> QuadContourSet:
     """Filled level lines of sampled values, hatched where there are none, and the boundary as a heavy line.
 
     Fills are pixels in a file of lines, which would be megabytes of polygons. A look that hides the outside needs the
-    samples of omega. `lined`: whether the levels have lines too.
+    samples of omega. `lined`: whether the levels have lines too. `extend`: at which ends of the levels there are values
+    in this picture, or in others with the same colours.
     """
+    extend = extend or look.beyond(levels, values, omega)
     u, v = sampler.lattice.axis(0), sampler.lattice.axis(1)
-    shown = np.ma.masked_invalid(values.T)
+    shown = np.ma.masked_invalid(snapped(levels, values, extend).T)
     if shown.mask.any():
         box = Rectangle((u[0], v[0]), u[-1] - u[0], v[-1] - v[0], facecolor="0.92", edgecolor="0.6", hatch="////")
         box.set(linewidth=0, zorder=0)
@@ -60,7 +63,7 @@ def draw_levels(
             remedy="limits=(-1, 1) for values about 0, or scale the formula",
         )
     colours, scale = look.colours(levels)
-    artist = ax.contourf(u, v, shown, levels=levels, cmap=colours, norm=scale, extend="both")
+    artist = ax.contourf(u, v, shown, levels=levels, cmap=colours, norm=scale, extend=extend)
     artist.set(rasterized=True)
     thin_out(artist, min(sampler.lattice.spacing))
     if lined:

@@ -208,6 +208,7 @@ def _plane(
     samples = [one.values() for one, _ in pairs]
     logics = [values if omega is one else omega.values() for values, (one, omega) in zip(samples, pairs, strict=True)]
     levels = look.levels_of(np.concatenate(samples), sampler.field, np.concatenate(logics) > 0)
+    extend = look.beyond(levels, np.stack(samples), np.stack(logics))
     rows = -(-len(panels) // columns)
     sides = np.array(sampler.lattice.spacing) * sampler.lattice.counts
     width, height = PANEL * sides / sides.max()
@@ -221,7 +222,7 @@ def _plane(
         report(progress, done, len(panels))
         with named(panel.label):
             boundary = trace(omega, 0.0, values=logic)
-            artist = draw_levels(ax, one, values, levels, boundary, look, logic)
+            artist = draw_levels(ax, one, values, levels, boundary, look, logic, extend=extend)
             remark = missing_boundary(omega.shape, omega, logic, boundary)
             if remark:
                 warn(remark)

@@ -57,6 +57,19 @@ def test_a_shape_and_a_boundary_of_one_part_have_no_legend(ax):
     assert ax.get_legend() is None
 
 
+def test_a_colour_bar_has_arrows_where_values_lie_beyond(ax):
+    """1 - r^2 is from 0 to 1; its slope, and what it goes on to beside the disc, are not asked."""
+    u = rsym.solve(rsym.disc(1), "-laplacian(u) = 4", 0, cells=6)
+    assert rsym.plot_field(u, ax=ax, resolution=40).extend == "neither"
+    for limits, ends in (((0, 0.5), "max"), ((0.1, 1), "min"), ((0.1, 0.5), "both"), ((-1, 2), "neither")):
+        assert rsym.plot_field(u, ax=ax, limits=limits, resolution=40).extend == ends
+    assert rsym.plot_field(u.shape, ax=ax, limits=(0, 1), resolution=40).extend == "min"
+    # The last picture of a sweep is within the levels, but the bar is that of both: omega is up to r/2.
+    look = {"limits": (0, 0.6), "outside": "mask", "resolution": 40, "bounds": ((-2.5, 2.5), (-2.5, 2.5))}
+    figure = rsym.plot_sweep(ROUND.shape, r, [2, 1], figure=matplotlib.figure.Figure(), **look)
+    assert [contours(one).extend for one in figure.axes[:2]] == ["max", "max"]
+
+
 def test_modes_have_symmetric_levels_and_their_eigenvalues():
     drum = rsym.modes(rsym.rectangle(2, 1), 4, cells=8)
     figure = rsym.plot_modes(drum, figure=matplotlib.figure.Figure(), resolution=32)
