@@ -241,7 +241,7 @@ class Discretisation:
         problem, equation = self.problem, self.problem.equation
         if not isinstance(equation, WeakForm):
             return {}
-        for name in equation.edges:
+        for name in (name for own in equation.edges for name in own):
             if isinstance(name, str) and name != BOUNDARY:
                 on_part(problem, self.rule.boundary.leaves, name)
         parts = shape_leaf_parts(problem.shape)

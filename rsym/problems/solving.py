@@ -54,8 +54,9 @@ def solve(
         SymPy equation in ``sympy.Function("u")(x, y)``. Text is read by a parser of its own and never run.
     conditions : mapping, or one condition for all of the boundary
         Names of parts to a value, an expression, ``rsym.robin(c, h)``, ``rsym.neumann(h)``, ``rsym.constant(flow)``;
-        the key ``...`` is the rest. Where nothing is said nothing flows. Plates, "bilaplacian(u) = q/D", have
-        ``rsym.clamped()`` and ``rsym.supported()``; where nothing is said they are free.
+        the key ``...`` is the rest; where parts lie in one another that of the smallest named holds. Where nothing is
+        said nothing flows. Plates, "bilaplacian(u) = q/D", have ``rsym.clamped()`` and ``rsym.supported()``; where
+        nothing is said they are free.
     degree : int
         Of the splines, 1 to 6.
     cells : int, optional

@@ -45,8 +45,9 @@ def solve_form(
         derivatives by the names of coordinates, ``u.x``; w has `.x`, the coordinates, `.h`, the size of cells, on
         the boundary `.n`, the outward normal, and letters, ``w.k`` or ``w["k"]``. They are called once and become
         formulas: of numbers, of expressions in ``rsym.x`` and letters, of NumPy's or SymPy's functions. In a mapping
-        ``"inside"`` is integrated over the shape, a name of a part over that part of the boundary,
-        ``"boundary"`` over all of it, ``...`` over parts that have no form: Robin's condition u_n + c*u = h is
+        ``"inside"`` is integrated over the shape, a name of a part over that part of the boundary, where parts lie in
+        one another that of the smallest named, ``...`` over the rest, as conditions of `solve` hold, a and l by
+        themselves; ``"boundary"`` over all of it, besides. Robin's condition u_n + c*u = h is
         ``{"inside": a, "rim": lambda u, v, w: c * u * v}`` and ``{"inside": l, "rim": lambda v, w: h * v}``.
     conditions : mapping, or one condition for all of the boundary, optional
         Values as in `solve`: numbers, expressions, ``rsym.constant()``, where second derivatives are in the form

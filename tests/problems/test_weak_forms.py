@@ -195,7 +195,14 @@ def test_forms_of_parts_and_of_the_rest_hold_where_they_say():
     assert abs(total(["rim"]) - length["rim"]) < 1e-10
     assert abs(total(["rim", ...]) - (length["rim"] + 10 * length["cut"])) < 1e-9
     assert abs(total(["boundary", "cut"]) - (length["boundary"] + 10 * length["cut"])) < 1e-9
-    assert abs(total(["half", "cut", "inside"]) - (length["half"] + 20 + 50 * math.pi)) < 1e-9
+    # Where parts lie in one another the smallest that is named has its form, as a condition; a and l by themselves.
+    assert abs(total(["half", "cut", "inside"]) - (length["rim"] + 20 + 50 * math.pi)) < 1e-9
+    a = {"inside": lambda u, v, w: u.grad @ v.grad, "half": lambda u, v, w: u * v, "cut": lambda u, v, w: 3 * u * v}
+    found = rsym.solve_form(half, a, {"cut": lambda v, w: 2 * v, ...: lambda v, w: v}, cells=8)
+    said = rsym.solve(half, "-laplacian(u) = 0", {"half": rsym.robin(1, 1), "cut": rsym.robin(3, 2)}, cells=8)
+    assert abs(found(0.2, 0.3) - said(0.2, 0.3)) < 1e-12
+    with pytest.raises(rsym.RsymError, match="all of that part belongs to"):
+        total(["half", "rim", "cut"])
 
 
 def test_functions_of_scikit_fem_mean_here_what_they_mean_there():

@@ -16,7 +16,7 @@ from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, substitute, symbols_of
 from rsym.model.wording import listing, proposal
-from rsym.problems.conditions import Name, require_part
+from rsym.problems.conditions import Name, assigned, require_part
 from rsym.problems.equations import meanings_of
 from rsym.problems.terms import Meaning
 from rsym.problems.weak.traced import (
@@ -120,15 +120,15 @@ def weak_form(shape: Shape, a: Any, l: Any, named: Mapping[str, Any], axis: int 
     """
     functions, meanings = meanings_of(named)
     read = _Reader(shape, functions, meanings, axis)
-    total: dict[Name, FormTerms] = {}
+    inside, edges = FormTerms(), list[dict[Name, FormTerms]]()
     for called, given, bilinear in (("a", a, True), ("l", l, False)):
         forms = given if isinstance(given, Mapping) else {INSIDE: given}
-        for place, function in forms.items():
-            terms = read.terms(called, function, place, bilinear=bilinear)
-            total[place] = total.get(place, FormTerms()).plus(terms)
-    edges = {place: terms for place, terms in total.items() if place != INSIDE}
+        terms = {place: read.terms(called, one, place, bilinear=bilinear) for place, one in forms.items()}
+        inside = inside.plus(terms.pop(INSIDE, FormTerms()))
+        assigned(shape, [place for place in terms if place != BOUNDARY])
+        edges.append(terms)
     functions = {**functions, SIZE: GivenValues(1.0)}
-    made = WeakForm(shape.coordinates, total.get(INSIDE, FormTerms()), edges, functions)
+    made = WeakForm(shape.coordinates, inside, tuple(edges), functions)
     return made if made.sized else replace(made, functions={k: f for k, f in functions.items() if k != SIZE})
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -72,15 +72,20 @@ def _sum(one: Mapping[Any, sp.Expr], other: Mapping[Any, sp.Expr]) -> dict[Any, 
 class WeakForm:
     """a(u, v) = l(v) for all v: what `EllipticEquation` is to an equation.
 
-    edges : the terms that are integrated along parts of the boundary, by name: along one, ``boundary`` along all of it,
-        ``...`` along what none of the others names.
+    edges : the terms that are integrated along parts of the boundary, those of a and those of l by themselves, by name:
+        along one, ``boundary`` along all of it, ``...`` along what none of the others names.
     functions : the Python functions of coordinates that names in the coefficients stand for.
     """
 
     coordinates: tuple[sp.Symbol, ...]
     inside: FormTerms
-    edges: Mapping[Name, FormTerms] = field(default_factory=dict)
+    edges: tuple[Mapping[Name, FormTerms], ...] = ()
     functions: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
+
+    @property
+    def _every(self) -> list[FormTerms]:
+        """All terms, those inside first."""
+        return [self.inside, *(terms for own in self.edges for terms in own.values())]
 
     @property
     def _seconds(self) -> int:
@@ -95,8 +100,7 @@ class WeakForm:
     @cached_property
     def highest(self) -> int:
         """The order of the highest derivatives of u or v."""
-        every = (self.inside, *self.edges.values())
-        kinds = [kind for one in every for kind in (*(k for pair in one.form for k in pair), *one.load)]
+        kinds = [kind for one in self._every for kind in (*(k for pair in one.form for k in pair), *one.load)]
         return 2 if max(kinds, default=0) >= self._seconds else 1
 
     @property
@@ -114,15 +118,15 @@ class WeakForm:
     @property
     def symmetric(self) -> bool:
         """Whether the form is, on the boundary too."""
-        return all(one.symmetric for one in (self.inside, *self.edges.values()))
+        return all(one.symmetric for one in self._every)
 
     @property
     def definite(self) -> bool:
         """Whether the form is symmetric and not below 0, for what can be said of its coefficients."""
         within = {(i, j) for i in range(1, self._seconds) for j in range(1, self._seconds)} | {(0, 0)}
         on = {(0, 0)}
-        plain = within.issuperset(self.inside.form) and all(on.issuperset(one.form) for one in self.edges.values())
-        mass = [one.form.get((0, 0), sp.S.Zero) for one in (self.inside, *self.edges.values())]
+        plain = within.issuperset(self.inside.form) and all(on.issuperset(one.form) for one in self._every[1:])
+        mass = [one.form.get((0, 0), sp.S.Zero) for one in self._every]
         return self.symmetric and plain and all(one.is_nonnegative for one in mass)
 
     @property
@@ -149,29 +153,30 @@ class WeakForm:
     @property
     def negated(self) -> WeakForm:
         """The same times -1."""
-        return replace(self, inside=self.inside.negated, edges={name: one.negated for name, one in self.edges.items()})
+        edges = tuple({name: one.negated for name, one in own.items()} for own in self.edges)
+        return replace(self, inside=self.inside.negated, edges=edges)
 
     @property
     def sized(self) -> bool:
         """Whether the size of cells is in it."""
-        every = [value for one in (self.inside, *self.edges.values()) for value in one.expressions.values()]
-        return real_symbol(SIZE) in symbols_of(*every)
+        return real_symbol(SIZE) in symbols_of(*(value for one in self._every for value in one.expressions.values()))
 
-    def on_leaf(self, names: Collection[str]) -> FormTerms:
-        """What is integrated along a leaf of the boundary that has these names.
+    def on_leaf(self, names: Sequence[str]) -> FormTerms:
+        """What is integrated along a leaf of the boundary that has these names, that of the smallest part first.
 
         Examples
         --------
-        >>> terms = {name: FormTerms({}, {0: sp.S(k)}) for k, name in enumerate(("rim", "boundary", ...), 1)}
-        >>> form = WeakForm((), FormTerms(), terms)
-        >>> [form.on_leaf(names).load for names in (["rim", "half"], ["bore"])]
-        [{0: 3}, {0: 5}]
+        >>> terms = {name: FormTerms({}, {0: sp.S(k)}) for k, name in enumerate(("half", "rim", "boundary", ...), 1)}
+        >>> form = WeakForm((), FormTerms(), (terms,))
+        >>> [form.on_leaf(names).load for names in (["rim", "half"], ["half"], ["bore"])]
+        [{0: 5}, {0: 4}, {0: 7}]
         """
-        total, named = FormTerms(), False
-        for name, terms in self.edges.items():
-            if name == BOUNDARY or name in names:
-                total, named = total.plus(terms), named or name != BOUNDARY
-        return total if named or ... not in self.edges else total.plus(self.edges[...])
+        total = FormTerms()
+        for own in self.edges:
+            chosen: Name = next((name for name in names if name in own), ...)
+            for name in (BOUNDARY, chosen):
+                total = total.plus(own.get(name, FormTerms()))
+        return total
 
 
 @dataclass(frozen=True)
