@@ -279,8 +279,12 @@ class Discretisation:
         fixed = valued.any() or any(part.holds_level for part in self.edge_parts)
         if problem.equation.order != 2 or fixed:
             return
-        values = dict(zip(problem.equation.expressions, problem.coefficients(self.rule.points), strict=True))
-        if not any(values[name].any() for (_, trial), name in problem.equation.places.items() if trial == 0):
+        every = problem.equation.expressions
+        held = {name: every[name] for (_, trial), name in problem.equation.places.items() if trial == 0}
+        if any(value.is_number and value != 0 for value in held.values()):
+            return
+        values = self._coefficients(self.rule.points) if any(value != 0 for value in held.values()) else {}
+        if not any(values[name].any() for name in held if name in values):
             raise RsymError(
                 "nothing fixes the level of the solution: with it every u + constant is one",
                 code="singular",

@@ -264,7 +264,7 @@ class Problem:
         return np.abs(points[:, 1 - self.axis])
 
 
-def with_corners(problem: Problem, degree: int = 6) -> Problem:
+def with_corners(problem: Problem, degree: int) -> Problem:
     """The same problem with functions for the corners of its shape, for splines of a degree; without where none are."""
     diffusion = problem.equation.diffusion
     alike = diffusion[0][0] == diffusion[-1][-1] and not any(

@@ -106,8 +106,8 @@ def modes(
 
     Parameters
     ----------
-    shape : Shape
-        As in `solve`.
+    shape, degree, cells, tolerance, letters, axis, poisson, corners, progress
+        As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
     count : int
         How many.
     conditions : mapping or one condition, optional
@@ -118,8 +118,6 @@ def modes(
     equation : text or SymPy
         Its operator is L, its right side 0 (that of a model file is not looked at); ``"bilaplacian(u) = 0"`` for
         plates, with conditions.
-    degree, cells, tolerance, letters, axis, poisson, corners, progress
-        As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
 
     Raises
     ------

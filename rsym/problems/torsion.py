@@ -112,10 +112,8 @@ def torsion(
 
     Parameters
     ----------
-    shape : Shape
-        The section; holes are found.
-    degree, cells, tolerance, letters, corners, progress
-        As in `solve`; the tolerance is a share of the rigidity.
+    shape, degree, cells, tolerance, letters, corners, progress
+        As in `solve`; the shape is the section, whose holes are found, the tolerance a share of the rigidity.
 
     Returns
     -------

@@ -37,8 +37,8 @@ def solve_form(
 
     Parameters
     ----------
-    shape : Shape
-        In the plane or in space, bounded; its parts have names, by ``shape.named(name)``.
+    shape, degree, cells, tolerance, axis, corners, progress
+        As in `solve`; integrals about an axis have the radius in them already.
     a, l : functions, or mappings of places to functions
         ``a(u, v, w)`` and ``l(v, w)`` are what is integrated, as users of scikit-fem write it; its decorators and
         helpers may be used (`dot`, `grad`, `mul`, `ddot`, `dd`). u and v have `.grad`, `.hess`, `.laplacian` and
@@ -50,11 +50,9 @@ def solve_form(
         themselves; ``"boundary"`` over all of it, besides. Robin's condition u_n + c*u = h is
         ``{"inside": a, "rim": lambda u, v, w: c * u * v}`` and ``{"inside": l, "rim": lambda v, w: h * v}``.
     conditions : mapping, or one condition for all of the boundary, optional
-        Values as in `solve`: numbers, expressions, ``rsym.constant()``, where second derivatives are in the form
+        Values as in `solve`: numbers, expressions, ``rsym.constant(flow)``, where second derivatives are in the form
         ``rsym.clamped()``. Where nothing is said the form says what holds, as it does where
         ``rsym.switched(where, 0, rsym.neumann())`` holds no value.
-    degree, cells, tolerance, axis, corners, progress
-        As in `solve`; integrals about an axis have the radius in them already.
     letters : mapping, optional
         As in `solve`: numbers, expressions, shapes, Python functions, vectors and matrices of these; a function that
         is no formula goes in here.
@@ -67,12 +65,7 @@ def solve_form(
     Raises
     ------
     RsymError
-        For a form that is not linear in u or v or no formula, and as `solve`.
-
-    Warns
-    -----
-    RsymWarning
-        Where the tolerance is not reached.
+        For a form that is not linear in u or v or no formula, and as `solve`; it warns as that.
 
     Examples
     --------

@@ -128,7 +128,7 @@ def bordered(threads=None):
     """The equations of an L with a hole at an unknown level: three kinds of functions."""
     bore = rsym.disc(sp.Rational(1, 5), (sp.Rational(-1, 2), sp.Rational(-1, 2))).named("bore")
     shape = (ell() - bore).replace(bounds=((-1.1, 1.1), (-1.1, 1.1)))
-    problem = with_corners(problem_of(shape, "-laplacian(u) + u = 1", {"bore": rsym.constant(), ...: 0}))
+    problem = with_corners(problem_of(shape, "-laplacian(u) + u = 1", {"bore": rsym.constant(), ...: 0}), 6)
     return Discretisation(problem, rule_for(problem, 16, 7), 3, threads)
 
 

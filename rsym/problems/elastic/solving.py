@@ -47,8 +47,8 @@ def elasticity(
 
     Parameters
     ----------
-    shape : Shape
-        In the plane, bounded; its parts have names, by ``shape.named(name)``.
+    shape, degree, cells, tolerance, letters, progress
+        As in `solve`, of a shape in the plane; the estimate is that of displacements, as a share of the largest one.
     conditions : mapping
         Names of parts to ``rsym.fixed()``, or 0; ``{"x": 0.1}``, a displacement along some coordinates, the others
         free; ``rsym.roller()`` for straight parts along an axis, planes of symmetry among them; ``rsym.traction((0,
@@ -59,8 +59,6 @@ def elasticity(
         The force on a volume, along each coordinate.
     plane : "stress" or "strain"
         A thin plate, free across the plane, or a long body that cannot become longer.
-    degree, cells, tolerance, letters, progress
-        As in `solve`; the estimate is that of displacements, as a share of the largest one.
 
     Returns
     -------
@@ -70,12 +68,7 @@ def elasticity(
     Raises
     ------
     RsymError
-        For a body that may move without being strained, an unknown part, a material that is none, too few cells.
-
-    Warns
-    -----
-    RsymWarning
-        Where the tolerance is not reached.
+        For a body that may move without being strained, a material that is none, and as `solve`; it warns as that.
 
     Examples
     --------
