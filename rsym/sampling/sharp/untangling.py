@@ -256,8 +256,8 @@ def _amid(
 ) -> int:
     """Vertices amid their neighbours, along seams if they are on one: how many have such; the rest is filled.
 
-    The `neighbour`s of vertex ``which[w]`` stand at ``start[w]`` and on, the half-edges 4*face + k of quads from vertex v
-    `at` ``begin[v]`` and on. Successive over-relaxation: one vertex after the other to the middle, and beyond.
+    The `neighbour`s of vertex ``which[w]`` stand at ``start[w]`` and on, the half-edges 4*face + k from vertex v `at`
+    ``begin[v]`` and on. Successive over-relaxation: one vertex after the other to the middle, and beyond.
     """
     for q in range(len(quads)):
         for f in (2 * quads[q], 2 * quads[q] + 1):
