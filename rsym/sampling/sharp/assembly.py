@@ -202,7 +202,7 @@ def _faces(
     arrays = (surface.quads, vertices.points, crossings.gradients, vertices.feature, faces, sharp)
     in_threads(lambda a, b: connect(a, b, *arrays), surface.crossings, GRAIN, crew)
     crew.stage(30, loops=5)
-    turn_diagonals(kernels, sharp, vertices.points, faces, crew)
+    turn_diagonals(kernels, np.flatnonzero(sharp), vertices.points, faces, crew)
     return faces
 
 

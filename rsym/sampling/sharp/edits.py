@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable
-from itertools import chain
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -63,7 +62,7 @@ def edit(
     remain[some] = False
     kept = some[soup.numbers]
     remain[kept] = True
-    leaf[kept] = [soup.leaf[face] for face in soup.corners]
+    leaf[kept] = soup.leaf[soup.numbers]
     stitched = stitch(soup.faces, points, inner > 0)
     faces[kept] = stitched.faces[: len(kept)]
     return Edited(some, remain, stitched.points, stitched.faces[len(kept) :], leaf[kept[stitched.part_of[len(kept) :]]])
@@ -77,18 +76,16 @@ def _are_flawed(points: Floats, quads: Faces, no_length: float) -> Flags:
 
 
 class _Soup:
-    """Triangles by number. Whatever is done, each directed edge occurs as often as its reverse."""
+    """Triangles, some of them `there` still. Whatever is done, each directed edge occurs as often as its reverse."""
 
     def __init__(self, points: Floats, faces: Faces, leaf: NDArray[Any], inner: Any, no_length: float) -> None:
         self.points, self.inner, self.no_length = points, inner, no_length
-        self.corners: dict[int, Corners] = {face: (a, b, c) for face, (a, b, c) in enumerate(faces.tolist())}
-        self.leaf: dict[int, int] = dict(enumerate(leaf.tolist()))
-        self.changed: set[int] = set()
+        self.corners, self.leaf, self.there = faces, leaf, np.ones(len(faces), np.bool_)
+        self.changed = np.zeros(points.shape[1], np.bool_)
 
     def join(self) -> bool:
         """Let the vertices at the ends of edges without length be one, and drop what has no extent; whether any is."""
-        faces = self.faces
-        tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+        tail, head = _ends(self.faces)
         apart = np.abs(self.points[:, tail] - self.points[:, head]).max(axis=0)
         short = np.flatnonzero((apart <= self.no_length) & self.inner[tail] & self.inner[head])
         if not len(short):
@@ -97,12 +94,10 @@ class _Soup:
         one_end, other_end = local.reshape(2, -1)
         label = components(one_end, other_end, len(ids))
         _, first = np.unique(label, return_index=True)
-        one = dict(zip(ids.tolist(), ids[first[label]].tolist(), strict=True))
-        touched = np.zeros(self.points.shape[1], np.bool_)
-        touched[ids] = True
-        for face in self.numbers[touched[faces].any(axis=1)].tolist():
-            a, b, c = self.corners[face]
-            self._put(face, (one.get(a, a), one.get(b, b), one.get(c, c)))
+        one, touched = np.arange(self.points.shape[1]), np.zeros(self.points.shape[1], np.bool_)
+        one[ids], touched[ids] = ids[first[label]], True
+        which = self.numbers[touched[self.faces].any(axis=1)]
+        self._put(which, one[self.corners[which]])
         self._cancel()
         return True
 
@@ -112,7 +107,7 @@ class _Soup:
         flat = self.numbers[is_flat(self.points, faces)].tolist()
         if not flat:
             return False
-        long = {face: max(_turns(self.corners[face]), key=self._length) for face in flat}
+        long = {face: max(_turns(self._corners(face)), key=self._length) for face in flat}
         across = self._across(faces, [(b, a) for a, b, _ in long.values()])
         touched: set[int] = set()
         for face, (a, b, c) in long.items():
@@ -129,7 +124,7 @@ class _Soup:
         """The triangles that have some directed edges."""
         size = int(faces.max()) + 1
         half = np.flatnonzero(np.isin(_keys(faces, size), [a * size + b for a, b in edges]))
-        tail, head = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+        tail, head = _ends(faces)
         found: dict[Edge, list[int]] = defaultdict(list)
         for a, b, face in zip(tail[half].tolist(), head[half].tolist(), self.numbers[half // 3].tolist(), strict=True):
             found[a, b].append(face)
@@ -137,10 +132,13 @@ class _Soup:
 
     def _cut(self, face: int, other: int, corners: Corners) -> None:
         a, b, c = corners
-        (d,) = set(self.corners[other]) - {a, b}
+        (d,) = set(self._corners(other)) - {a, b}
         self.leaf[face] = self.leaf[other]
-        self._put(face, (a, d, c))
-        self._put(other, (d, b, c))
+        self._put(np.array([face, other]), np.array([(a, d, c), (d, b, c)]))
+
+    def _corners(self, face: int) -> Corners:
+        a, b, c = self.corners[face].tolist()
+        return a, b, c
 
     def _length(self, corners: Corners) -> float:
         return float(np.linalg.norm(self.points[:, corners[0]] - self.points[:, corners[1]]))
@@ -148,31 +146,30 @@ class _Soup:
     @property
     def numbers(self) -> Ints:
         """The numbers of the triangles that are left."""
-        return np.fromiter(self.corners, np.int64, len(self.corners))
+        return np.flatnonzero(self.there)
 
     @property
     def faces(self) -> Faces:
         """The triangles that are left."""
-        return np.fromiter(chain.from_iterable(self.corners.values()), np.int32, 3 * len(self.corners)).reshape(-1, 3)
+        return self.corners[self.there]
 
-    def _put(self, face: int, corners: Corners) -> None:
-        """A triangle with two equal corners is none."""
-        self.changed.update(corners)
-        if len(set(corners)) == 3:
-            self.corners[face] = corners
-        else:
-            del self.corners[face]
+    def _put(self, which: Ints, corners: NDArray[np.integer[Any]]) -> None:
+        """Give triangles other corners; one with two equal corners is none."""
+        self.changed[corners] = True
+        self.corners[which] = corners
+        self.there[which] = (corners != corners[:, [1, 2, 0]]).all(axis=1)
 
     def _cancel(self) -> None:
-        """Drop triangles that lie back to back; before something changed there were none."""
+        """Drop triangles that lie back to back; before something changed there were none, and then there are none."""
         seen: dict[Corners, list[int]] = defaultdict(list)
-        for face, (a, b, c) in list(self.corners.items()):
-            if a in self.changed and b in self.changed and c in self.changed:
-                back = seen.get(min(_turns((a, c, b))))
-                if back:
-                    del self.corners[face], self.corners[back.pop()]
-                else:
-                    seen[min(_turns((a, b, c)))].append(face)
+        some = self.numbers[self.changed[self.faces].all(axis=1)]
+        for face, (a, b, c) in zip(some.tolist(), self.corners[some].tolist(), strict=True):
+            back = seen.get(min(_turns((a, c, b))))
+            if back:
+                self.there[[face, back.pop()]] = False
+            else:
+                seen[min(_turns((a, b, c)))].append(face)
+        self.changed[:] = False
 
 
 def is_flat(points: Floats, faces: Any) -> Flags:
@@ -202,9 +199,14 @@ def _turns(corners: Corners) -> Iterable[Corners]:
     return (a, b, c), (b, c, a), (c, a, b)
 
 
+def _ends(faces: Faces) -> tuple[Faces, Faces]:
+    """Where each half-edge 3*face + k begins and ends."""
+    return faces.ravel(), faces[:, [1, 2, 0]].ravel()
+
+
 def _keys(faces: Faces, size: int) -> Ints:
     """A number for each directed edge, that of half-edge 3*face + k, where vertices are below `size`."""
-    return (faces.astype(np.int64) * size + np.roll(faces, -1, axis=1)).ravel()
+    return (faces.astype(np.int64) * size + faces[:, [1, 2, 0]]).ravel()
 
 
 class Stitched(NamedTuple):
@@ -233,7 +235,7 @@ def stitch(faces: Faces, points: Floats, inner: Any) -> Stitched:
 
 def _mates(faces: Faces, points: Floats) -> Ints:
     """The half-edge across each half-edge 3*face + k, -1 where there is none."""
-    tail, head = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
+    tail, head = (ends.astype(np.int64) for ends in _ends(faces))
     size = int(faces.max()) + 1
     key, reverse = tail * size + head, head * size + tail
     order = np.argsort(key, kind="stable")

@@ -92,15 +92,12 @@ def merit(a: Any, b: Any, c: Any, g: Any) -> Any:
     return -(nx * g[0] + ny * g[1] + nz * g[2]) / side
 
 
-def turn_diagonals(
-    kernels: MesherKernels, sharp: NDArray[np.uint8], points: Floats, faces: Faces, pool: Executor | None
-) -> None:
-    """Choose, in place, the diagonal of each quad marked in `sharp`; triangles 2*e and 2*e + 1 are quad e.
+def turn_diagonals(kernels: MesherKernels, which: Ints, points: Floats, faces: Faces, pool: Executor | None) -> None:
+    """Choose, in place, the diagonal of each of some quads; triangles 2*e and 2*e + 1 are quad e.
 
     A triangle costs what it turns away from the surface: its area minus that of its projection along the gradient of
     the leaf that is active at its middle.
     """
-    which = np.flatnonzero(sharp)
     count = 4 * len(which)
     if not count:
         return
