@@ -253,11 +253,14 @@ class Limits:
     usual, deepest : so many levels where much is left open, as along a curve on which gradients vanish, and little.
     uneven : by this factor the slope of a leaf along the height may change in a cell. On a torus 2 takes twice the
         points of 3 and gains two digits; in the plane it takes a tenth more.
+    steepest : a leaf that climbs more than so many times as fast over an axis across has lengths that are differences
+        of nearly equal places: it is divided until no leaf that is nearly flat along the other axis is beside it.
     """
 
     usual: int
     deepest: int
     uneven: float
+    steepest: float = np.inf
 
 
 def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: Grading | None = None) -> Divided:
@@ -271,7 +274,8 @@ def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: 
         if not len(pieces):
             break
         value, gradient = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
-        pieces = replace(pieces, gradient=gradient)
+        side = (pieces.upper - pieces.lower)[:, pieces.piece]
+        pieces = replace(pieces, gradient=_flattened(gradient, side, functions.tolerance))
         signs, verdict, kept = functions.judge(pieces, value)
         pieces = replace(pieces, signs=signs)
         towards = np.zeros(len(pieces), bool)
@@ -284,7 +288,7 @@ def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: 
         pieces = pieces.chosen((verdict == OPEN) | ((verdict == INSIDE) & towards), kept)
         towards = towards[(verdict == OPEN) | ((verdict == INSIDE) & towards)]
         axis, proved = np.empty(len(pieces), np.int64), np.empty(len(pieces), bool)
-        choose_axes(pieces.start, pieces.gradient, limits.uneven, axis, proved)
+        choose_axes(pieces.start, pieces.gradient, limits.uneven, limits.steepest, axis, proved)
         pieces = replace(pieces, axis=axis, proved=proved)
         going = ~proved & ~towards
         crowd = np.bincount(pieces.owner[going], minlength=1) if going.any() else np.zeros(1, np.int64)
@@ -298,6 +302,16 @@ def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: 
     return Divided(parts[0], parts[1], parts[2], whole, cut)
 
 
+def _flattened(gradient: Floats, side: Floats, tolerance: float) -> Floats:
+    """Gradients (dim, 2, n), 0 along axes on which leaves change by a rounding at most over sides (dim, n) of pieces.
+
+    An edge turned by a rounding runs along an axis: what is left of its slope is no number to divide by.
+    """
+    most = np.abs(gradient).max(axis=1)
+    flat = most * side <= tolerance * np.minimum(1.0, most.max(axis=0, initial=0.0))
+    return np.where(flat[:, None], 0.0, gradient)
+
+
 def close(pieces: CutPieces, near: Floats) -> Flags:
     """Which pieces are not small against their distance from one of the points."""
     half = (pieces.upper - pieces.lower) / 2
@@ -309,7 +323,7 @@ def close(pieces: CutPieces, near: Floats) -> Flags:
 
 
 @loop
-def choose_axes(start: Any, gradient: Any, uneven: float, axis: Any, proved: Any) -> None:
+def choose_axes(start: Any, gradient: Any, uneven: float, steepest: float, axis: Any, proved: Any) -> None:
     """The axis that serves best as the height of each piece, and whether it does."""
     dimension = gradient.shape[0]
     for piece in range(len(axis)):
@@ -326,7 +340,7 @@ def choose_axes(start: Any, gradient: Any, uneven: float, axis: Any, proved: Any
                     if j != k:
                         across = max(across, max(-gradient[j, 0, pair], gradient[j, 1, pair]))
                 gentle = STEEP * least >= across and most <= uneven * least
-                if not (least > 0 and (gentle or most <= EVEN * least)):
+                if not (least > 0 and (gentle or (most <= EVEN * least and steepest * least >= across))):
                     fits = False
                 ratio = least / max(most, across)
                 score = min(score, ratio) if ratio >= 0 else 0.0

@@ -15,7 +15,7 @@ from rsym.sampling.rules.division import CutPieces, Grading, Limits, close, divi
 from rsym.sampling.rules.space import space_rule
 
 PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
-LIMITS = {2: Limits(6, 44, 2.0), 3: Limits(5, 24, 3.0)}
+LIMITS = {2: Limits(6, 44, 2.0, 1e3), 3: Limits(5, 24, 3.0)}
 
 
 @dataclass(frozen=True)
