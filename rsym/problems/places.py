@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.gaps import Gap, thin_gap
 from rsym.sampling.rules.portions import CellGrid
 from rsym.sampling.rules.quadrature import Quadrature, prepared
+from rsym.sampling.rules.sides import closed_sides
 
 # Of the size of the shape: points of the boundary are known to rounding.
 ON_BOUNDARY = 1e-12
@@ -53,7 +55,7 @@ def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near:
         if isinstance(name, str) and name not in there:
             raise vanished(name)
     _require_no_gap(thin_gap(made.functions, rule), rule.grid, cells)
-    return rule
+    return replace(rule, closed=closed_sides(made.functions, rule))
 
 
 def _require_no_gap(gap: Gap | None, grid: CellGrid, cells: int) -> None:
@@ -62,9 +64,10 @@ def _require_no_gap(gap: Gap | None, grid: CellGrid, cells: int) -> None:
         return
     place = ", ".join(f"{round(value / grid.size, 3) * grid.size:.4g}" for value in gap.point)
     sides = f"'{gap.parts[0]}' and '{gap.parts[1]}'" if len(set(gap.parts)) == 2 else f"places of '{gap.parts[0]}'"
-    enough = math.ceil(cells * grid.size / gap.width * (1 - SURE))
+    enough = max(cells + 1, math.ceil(cells * grid.size / gap.side * (1 - SURE)))
+    thinner = "thinner than the cells" if gap.width < grid.size else "within single cells, askew"
     raise RsymError(
-        f"a gap {gap.width:.4g} wide at ({place}), between {sides}, is thinner than the cells, of {grid.size:.4g}: "
+        f"a gap {gap.width:.4g} wide at ({place}), between {sides}, is {thinner}, of {grid.size:.4g}: "
         "splines would tie together what it keeps apart",
         code="cells",
         remedy=f"ask for {enough} cells or more, or take the sides as shapes by themselves",

@@ -50,6 +50,36 @@ def test_the_extension_reproduces_polynomials(degree):
     np.testing.assert_allclose(splines.extension @ polynomial[splines.inner], polynomial, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.parametrize("degree", [1, 3])
+def test_on_both_sides_of_closed_sides_are_functions_of_their_own(degree):
+    """One polynomial on one side, another on the other, of inner functions, extended on each side."""
+    touched = np.arange(14 * 14)
+    inner = np.array([14 * i + j for i in range(14) for j in range(14) if abs(i - 6.5) > 1 and 0 < j < 13])
+    closed = np.array([[14 * 6 + j, 14 * 7 + j] for j in range(14)])
+    splines = web_splines(np.zeros(2), 1.0, (14, 14), degree, touched, inner, closed)
+    assert len(splines.active) == (14 + 2 * degree) * (14 + degree)
+    position = np.stack(np.unravel_index(splines.active, splines.shape), axis=1) / 10
+    right = np.zeros(len(splines.active), bool)
+    right[splines.functions(np.arange(14 * 7, 14 * 14))] = True
+    assert right.sum() == (7 + degree) * (14 + degree)
+    values = np.where(right, position[:, 0] ** degree, 3 - position[:, 1] ** degree)
+    assert 0 < splines.inner.sum() < len(splines.active)
+    found = splines.extension @ values[splines.inner]
+    np.testing.assert_allclose(found, values, rtol=1e-9, atol=1e-9)
+    ones = jets(splines, np.where(right, 5.0, 2.0)[None], np.array([[6.999, 3.3], [7.001, 3.3], [0.1, 1.0]]), 1)
+    np.testing.assert_allclose(ones[:, 0], [[2, 5, 2], [0, 0, 0], [0, 0, 0]], atol=1e-12)
+
+
+def test_on_an_edge_along_cells_the_own_side_answers():
+    """The edge on the left of a gap of two cells lies in the first of these, where nothing of the shape is."""
+    cells = np.array([10 * i + j for i in (0, 1, 2, 3, 6, 7, 8, 9) for j in range(10)])
+    splines = web_splines(np.zeros(2), 1.0, (10, 10), 3, cells, cells)
+    values = np.full((1, len(splines.active)), 2.0)
+    values[0, splines.functions(np.arange(60, 100))] = 5.0
+    found = jets(splines, values, np.array([[4.0, 3.3], [6.0, 3.3], [4.0, 10.0], [3.9, 1.2]]), 0)
+    np.testing.assert_allclose(found[0, 0], [2, 5, 2, 2], atol=1e-12)
+
+
 def test_points_beside_the_grid_are_in_no_cell_and_the_far_side_is_in_the_last():
     splines = everywhere(2)
     found = splines.cell_of(np.array([[-1.0, 2.0], [2.0, 4.5], [2.1, 3.0], [0.0, 1.9], [np.nan, 3.0]]))

@@ -19,24 +19,36 @@ def jets(splines: WebSplines, coefficients: Floats, points: Floats, order: int) 
 
     Examples
     --------
-    >>> splines = WebSplines(np.zeros(2), np.ones(2), (4, 4), 2, np.arange(36), np.ones(36, bool))
+    >>> from rsym.problems.splines.web import web_splines
+    >>> splines = web_splines(np.zeros(2), 1.0, (4, 4), 2, np.arange(16), np.arange(16))
     >>> jets(splines, np.ones((1, 36)), np.array([[1.3, 2.7]]), 1).round(12).tolist()
     [[[1.0]], [[0.0]], [[0.0]]]
     """
     kinds = np.array(derivatives(splines.dimension, order), np.int64)
-    cells = splines.cell_of(points)
-    inside = np.flatnonzero(cells >= 0)
-    whole = np.zeros((len(coefficients), int(np.prod(splines.shape))))
-    whole[:, splines.active] = coefficients
+    cells = splines.home_of(points)
+    wide, dimension = splines.degree + 1, splines.dimension
+    local = digits(wide, dimension)
+    table = np.empty((dimension, order + 1, wide))
     found = np.zeros((len(points), len(kinds), len(coefficients)))
-    local = digits(splines.degree + 1, splines.dimension)
-    table = np.empty((splines.dimension, order + 1, splines.degree + 1))
-    _jets(
-        np.ascontiguousarray(points[inside], np.float64),
-        splines.cells(cells[inside]),
-        *(splines.lower, splines.size, pieces(splines.degree).T.copy(), local, kinds),
-        *(np.array(splines.shape, np.int64), whole, table, inside, found),
-    )
+
+    def add(some: Ints, first: Ints, shape: tuple[int, ...], whole: Floats) -> None:
+        _jets(
+            np.ascontiguousarray(points[some], np.float64),
+            *(splines.cells(cells[some]), first, splines.lower, splines.size, pieces(splines.degree).T.copy(), local),
+            *(kinds, np.array(shape, np.int64), whole, table, some, found),
+        )
+
+    row = splines.split_row(cells)
+    plain, split = np.flatnonzero((cells >= 0) & (row < 0)), np.flatnonzero(row >= 0)
+    whole = np.zeros((len(coefficients), int(np.prod(splines.shape))))
+    whole[:, splines.number >= 0] = coefficients[:, splines.number[splines.number >= 0]]
+    add(plain, splines.cells(cells[plain]), splines.shape, whole)
+    if len(split):
+        # Each of these cells has a block of coefficients of its own.
+        first = np.zeros((len(split), dimension), np.int64)
+        first[:, 0] = wide * row[split]
+        own = np.ascontiguousarray(coefficients[:, splines.numbers.ravel()])
+        add(split, first, (wide * len(splines.split), *[wide] * (dimension - 1)), own)
     return np.ascontiguousarray(found.transpose(1, 2, 0))
 
 
@@ -70,6 +82,7 @@ def tabulate(point: Any, cell: Any, lower: Floats, size: Floats, coefficients: F
 def _jets(
     points: Floats,
     cells: Ints,
+    firsts: Ints,
     lower: Floats,
     size: Floats,
     coefficients: Floats,
@@ -81,7 +94,10 @@ def _jets(
     places: Ints,
     found: Floats,
 ) -> None:
-    """The sum along the last axis first: its coefficients lie side by side."""
+    """The sum along the last axis first: its coefficients lie side by side.
+
+    firsts : (n, dimension), where the coefficients of the splines of each point begin in `whole`, an array of a shape.
+    """
     count, dimension = points.shape
     last, wide, orders = dimension - 1, table.shape[2], table.shape[1]
     sums = np.empty(orders)
@@ -90,7 +106,7 @@ def _jets(
         for row in range(0, len(local), wide):
             flat = 0
             for axis in range(dimension):
-                flat = flat * shape[axis] + cells[k, axis] + local[row, axis]
+                flat = flat * shape[axis] + firsts[k, axis] + local[row, axis]
             for function in range(len(whole)):
                 for order in range(orders):
                     sums[order] = 0.0

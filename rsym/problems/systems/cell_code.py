@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.problems.splines.evaluation import tabulate
 from rsym.sampling.compiled import loop, step
 
@@ -274,12 +274,24 @@ def flat_number(cell: Any, local: Any, shape: Ints) -> int:
 
 @loop
 def gather(
-    cells: Ints, matrices: Floats, local: Ints, shape: Ints, number: Ints, symmetric: bool, stencil: Floats
+    cells: Ints,
+    split: Flags,
+    matrices: Floats,
+    local: Ints,
+    shape: Ints,
+    number: Ints,
+    symmetric: bool,
+    stencil: Floats,
 ) -> None:
-    """Add the matrices of cells to the rows (active, (2*degree + 1)**dimension) of a stencil, cell after cell."""
+    """Add the matrices of cells to the rows (active, (2*degree + 1)**dimension) of a stencil, cell after cell.
+
+    split : cells that are left out.
+    """
     count, dimension = local.shape
     wide = 2 * local[count - 1, 0] + 1
     for c in range(len(cells)):
+        if split[c]:
+            continue
         for i in range(count):
             row = number[flat_number(cells[c], local[i], shape)]
             for j in range(i + 1 if symmetric else count):
@@ -295,11 +307,11 @@ def gather(
 
 
 @loop
-def gather_loads(cells: Ints, loads: Floats, local: Ints, shape: Ints, number: Ints, out: Floats) -> None:
-    """Add the loads of cells to those (functions, active) of all splines."""
-    for c in range(len(cells)):
-        for i in range(len(local)):
-            at = number[flat_number(cells[c], local[i], shape)]
+def gather_loads(functions: Ints, loads: Floats, out: Floats) -> None:
+    """Add the loads of cells to those (functions, active) of all splines; functions : those of each cell."""
+    for c in range(len(functions)):
+        for i in range(functions.shape[1]):
+            at = functions[c, i]
             for j in range(len(out)):
                 out[j, at] += loads[c, j, i]
 

@@ -114,6 +114,7 @@ class Assembler:
         wide = -(-len(local) // LANES) * LANES
         out = np.empty((AT_ONCE, len(local), wide))
         sums = axis_sums(splines.degree, where.order, splines.dimension, self.order, float(splines.size[0]))
+        beside = []
         with self.pool() as pool:
             for chunk in where.chunks():
                 points = np.ascontiguousarray(where.points[chunk.points])
@@ -144,30 +145,34 @@ class Assembler:
 
                 pieces = [kind[k : k + GRAIN] for kind in (cut, whole) for k in range(0, len(kind), GRAIN)]
                 _each(pool, work, pieces)
-                gather(cells, out, local, shape, splines.number, symmetric, stencil)
-        return self._compressed(stencil, offsets, shape)
+                split = splines.split_row(chunk.cells) >= 0
+                gather(cells, split, out, local, shape, splines.number, symmetric, stencil)
+                if split.any():
+                    beside.append(_among(splines.functions(chunk.cells[split]), out[: len(split)][split], symmetric))
+        made = self._compressed(stencil, offsets, shape)
+        for rows, columns, values in beside:
+            made = made + sparse.coo_matrix((values, (rows, columns)), made.shape).tocsr()
+        return made
 
     def loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int = 1) -> Floats:
         """The loads (count, active) of so many linear forms."""
-        splines, shape = self.splines, np.array(self.splines.shape, np.int64)
-        total = np.zeros((count, len(splines.active)))
-        for cells, out in self._cell_loads(where, load, tests, count):
-            gather_loads(cells, out, self._local, shape, splines.number, total)
+        total = np.zeros((count, len(self.splines.active)))
+        for functions, out in self._cell_loads(where, load, tests, count):
+            gather_loads(functions, out, total)
         return total
 
     def columns(self, where: CellPoints, load: LoadAt, tests: Weight, count: int) -> sparse.csr_matrix:
         """The same as columns (active, count): of few cells, as sparse as these are few."""
         splines, rows, values = self.splines, [np.empty(0, np.int64)], [np.empty((0, count))]
-        for cells, out in self._cell_loads(where, load, tests, count):
-            places = np.moveaxis(cells[:, None] + self._local, -1, 0)
-            rows.append(splines.number[np.ravel_multi_index(tuple(places), splines.shape)].ravel())
+        for functions, out in self._cell_loads(where, load, tests, count):
+            rows.append(functions.ravel())
             values.append(out.transpose(0, 2, 1).reshape(-1, count))
         row, column = np.concatenate(rows), np.arange(count)
         entries = np.concatenate(values).ravel(), (np.repeat(row, count), np.tile(column, len(row)))
         return sparse.coo_matrix(entries, (len(splines.active), count)).tocsr()
 
     def _cell_loads(self, where: CellPoints, load: LoadAt, tests: Weight, count: int) -> Iterator[tuple[Ints, Floats]]:
-        """Some cells (n, dimension) after the others, and the loads (n, count, splines) of the splines on each."""
+        """The functions (n, splines) of some cells after the others, and their loads (n, count, splines)."""
         splines, local = self.splines, self._local
         terms = np.array(product_terms(splines.dimension, self.order), np.int64)
         features = np.empty((self.kinds, len(local)))
@@ -182,7 +187,7 @@ class Assembler:
             if len(whole):
                 whole_cell_loads(chunk.begins, pulled, whole, sums.everywhere, out)
             cell_loads(chunk.begins, cut, cells, points, pulled, *self._grid, self._table(), features, out)
-            yield cells, out
+            yield splines.functions(chunk.cells), out
 
     @cached_property
     def _local(self) -> Ints:
@@ -220,6 +225,17 @@ def _each(pool: Executor | None, work: Callable[[Ints], None], pieces: Sequence[
             work(piece)
     else:
         list(pool.map(work, pieces))
+
+
+def _among(functions: Ints, matrices: Floats, symmetric: bool) -> tuple[Ints, Ints, Floats]:
+    """The rows, columns and values of the matrices of cells on their functions (n, splines)."""
+    wide = functions.shape[1]
+    own = matrices[:, :, :wide]
+    if symmetric:
+        lower = np.tril(own)
+        own = lower + np.tril(own, -1).transpose(0, 2, 1)
+    rows, columns = np.repeat(functions, wide, axis=1), np.tile(functions, (1, wide))
+    return rows.ravel(), columns.ravel(), own.ravel()
 
 
 def extended(splines: WebSplines, matrix: sparse.csr_matrix, others: WebSplines | None = None) -> sparse.csr_matrix:

@@ -10,5 +10,6 @@ In comes a shape, out come points and weights inside and on the boundary. In the
 - `space`: the same over the parts of a plane base
 - `portions`: all of it in some cells; `quadrature`: `rsym.quadrature`; `refinement`: until two rules agree;
   `integrals`: `rsym.integrate`; `measures`: `rsym.measure`
-- `gaps`: where a shape has gaps thinner than the cells of a rule
+- `gaps`: where a shape has gaps thinner than the cells of a rule; `sides`: which of its cells, next to each other, it
+  is not joined in
 """

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import cKDTree
 
 from rsym.arrays import Flags, Floats, Ints
@@ -19,6 +19,7 @@ from rsym.sampling.rules.quadrature import Quadrature
 
 STEPS = 20  # of half the length each: a gap is seen down to a millionth of a cell
 SHARPER = 14  # halvings of the step in which a normal comes in again
+SEEN = 32  # points in a cell of which is asked whether they see each other
 FEW, MORE = 5, 64  # points in a cell that normals are followed from, and where one has come in again
 # In cells: a way around that is as short does no harm; steps of ways, and the lattice that they go over.
 AROUND, STEP, MESH = 4.0, 0.75, 2
@@ -34,21 +35,25 @@ PAIRS = 2**18  # of points and leaves that are looked at at once
 class Gap(NamedTuple):
     """Where a shape has a gap: the middle of it, its width, and the parts on both sides.
 
+    side : of cells that lie in it from wall to wall, less than its width if it is askew to them.
+
     Examples
     --------
-    >>> Gap((0.5, 0.0), 0.02, ("left", "right")).width
+    >>> Gap((0.5, 0.0), 0.02, ("left", "right"), 0.02).width
     0.02
     """
 
     point: tuple[float, ...]
     width: float
     parts: tuple[str, str]
+    side: float
 
 
 def thin_gap(functions: Any, rule: Quadrature) -> Gap | None:
     """The thinnest gap that is thinner than the cells of a rule and keeps apart what lies on both sides; or None.
 
-    functions : the leaves that the rule was made of.
+    A gap askew to the cells is so, too, where both sides are in one of them. functions : the leaves that the rule was
+    made of.
 
     Examples
     --------
@@ -69,6 +74,9 @@ def thin_gap(functions: Any, rule: Quadrature) -> Gap | None:
     # The thinnest crossing from each cell.
     order = np.lexsort((width, boundary.cells[some]))
     order = order[np.unique(boundary.cells[some][order], return_index=True)[1]]
+    order = order[(width[order] < size) | _fall_apart(functions, rule, boundary.cells[some[order]])]
+    if not len(order):
+        return None
     some, width = some[order], width[order]
     start, normal = boundary.points[some].T, boundary.normals[some].T
     held = _ways(functions, rule, start, normal, width) > AROUND * size
@@ -80,7 +88,8 @@ def thin_gap(functions: Any, rule: Quadrature) -> Gap | None:
     across = start[:, thinnest] + normal[:, thinnest] * width[thinnest]
     other = boundary.leaves[int(np.argmin(np.sum((boundary.points - across) ** 2, axis=1)))]
     one, two = sorted((rule.parts[boundary.leaves[some[thinnest]]], rule.parts[other]))
-    return Gap(tuple(float(place) for place in middle), float(width[thinnest]), (one, two))
+    side = float(width[thinnest] / np.abs(normal[:, thinnest]).sum())
+    return Gap(tuple(float(place) for place in middle), float(width[thinnest]), (one, two), side)
 
 
 def _few(cells: Ints, most: int) -> Ints:
@@ -92,7 +101,7 @@ def _few(cells: Ints, most: int) -> Ints:
     return found
 
 
-def _signs(functions: Any, points: Floats) -> Floats:
+def signs(functions: Any, points: Floats) -> Floats:
     """The signs of the form at points (dim, n)."""
     size = max(1, PAIRS // functions.count)
     some = [functions.sign(points[:, first : first + size]) for first in range(0, points.shape[1], size)]
@@ -100,20 +109,39 @@ def _signs(functions: Any, points: Floats) -> Floats:
 
 
 def _crossed(functions: Any, start: Floats, normal: Floats, size: float) -> Floats:
-    """How far from boundary points, along outward normals, the shape begins again; infinite if not within a cell."""
-    far = size * 0.5 ** np.arange(STEPS, -1, -1)
+    """How far from boundary points, along outward normals, the shape begins again; infinite if not within a cell.
+
+    That is the way from corner to corner.
+    """
+    far = size * np.append(0.5 ** np.arange(STEPS, -1, -1), [(1 + len(start) ** 0.5) / 2, len(start) ** 0.5])
     points = start[:, None] + far[:, None] * normal[:, None]
-    inside = _signs(functions, points.reshape(len(start), -1)).reshape(len(far), -1) > 0
+    inside = signs(functions, points.reshape(len(start), -1)).reshape(len(far), -1) > 0
     back = np.logical_or.accumulate(~inside, axis=0) & inside
     width = np.where(back.any(axis=0), far[np.argmax(back, axis=0)], np.inf)
     met = np.flatnonzero(np.isfinite(width))
-    low, high = width[met] / 2, width[met]
+    low, high = far[np.argmax(back[:, met], axis=0) - 1], width[met]
     for _ in range(SHARPER):
         middle = (low + high) / 2
-        inside = _signs(functions, start[:, met] + middle * normal[:, met]) > 0
+        inside = signs(functions, start[:, met] + middle * normal[:, met]) > 0
         low, high = np.where(inside, low, middle), np.where(inside, middle, high)
     width[met] = high
     return width
+
+
+def _fall_apart(functions: Any, rule: Quadrature, cells: Ints) -> Flags:
+    """Whether some points of a rule in each of some cells do not all see each other, one by the other, in the shape."""
+    every = np.flatnonzero(np.isin(rule.cells, cells))
+    every = every[_few(rule.cells[every], SEEN)]
+    points, owner = rule.points[every].T, rule.cells[every]
+    apart = [np.stack(np.triu_indices(int(n), 1)) for n in np.unique(owner, return_counts=True)[1]]
+    begins = np.unique(owner, return_index=True)[1]
+    links = np.concatenate([np.empty((2, 0), np.int64), *(pair + b for pair, b in zip(apart, begins, strict=True))], 1)
+    links = links[:, _seen(functions, points, links)]
+    joined = sparse.csr_matrix((np.ones(links.shape[1]), (links[0], links[1])), (len(every),) * 2)
+    group = connected_components(joined, directed=False)[1]
+    several = owner[1:][(np.diff(owner) == 0) & (np.diff(group) != 0)]
+    found: Flags = np.isin(cells, several)
+    return found
 
 
 def _let_notches(start: Floats, width: Floats, near: float, held: Flags) -> None:
@@ -144,7 +172,7 @@ def _ways(functions: Any, rule: Quadrature, start: Floats, normal: Floats, width
     withdrawn = (_withdrawn(functions, *pair, size) for pair in ((start, normal), (edge[:, near], outward[:, near])))
     nodes = np.concatenate([next(withdrawn), start + width * normal, next(withdrawn), _lattice(start, reach, size)], 1)
     known = np.arange(nodes.shape[1]) < 2 * count
-    nodes = nodes[:, known | (_signs(functions, nodes) > 0)]
+    nodes = nodes[:, known | (signs(functions, nodes) > 0)]
     links = cKDTree(nodes.T).query_pairs(STEP * size, output_type="ndarray").T
     links = links[:, _seen(functions, nodes, links)]
     length = np.sqrt(np.sum((nodes[:, links[0]] - nodes[:, links[1]]) ** 2, axis=0))
@@ -172,7 +200,7 @@ def _withdrawn(functions: Any, points: Floats, outward: Floats, size: float) -> 
     found = points.copy()
     for step in (18, 12, 6):
         moved = points - size * 0.5**step * outward
-        inside = _signs(functions, moved) > 0
+        inside = signs(functions, moved) > 0
         found[:, inside] = moved[:, inside]
     return found
 
@@ -185,16 +213,31 @@ def _seen(functions: Any, nodes: Floats, links: Ints) -> Flags:
 
 
 def _stays(functions: Any, begin: Floats, end: Floats) -> Flags:
-    """Whether straight steps between points inside stay there.
+    """Whether straight steps between points inside stay there: the form is asked between the roots of leaves."""
+    along = end - begin
+    stays = np.ones(begin.shape[1], np.bool_)
+    for lower, upper in pairwise(np.sort(leaf_roots(functions, begin, along), axis=0)):
+        asked = np.flatnonzero(np.isfinite(upper) & stays)
+        if not len(asked):
+            break
+        middle = (lower[asked] + upper[asked]) / 2
+        stays[asked] = signs(functions, begin[:, asked] + middle * along[:, asked]) > 0
+    return stays
 
-    Along a step each leaf is taken for the cubic with its values and slopes at both ends. Where these have roots, or
-    come down to 0 between ends of one sign, the form is asked in between.
+
+def leaf_roots(functions: Any, begin: Floats, along: Floats) -> Floats:
+    """Where leaves are 0 on short steps along from some points, in [0, 1]: (2 leaves, n), infinite where they are not.
+
+    Along a step each leaf is taken for the cubic with its values and slopes at both ends; between ends of one sign it
+    has two roots if it comes down to 0.
     """
-    count, along = begin.shape[1], end - begin
+    count = begin.shape[1]
     leaf = np.repeat(np.arange(functions.count), count)
     (first, rising), (last, falling) = (
         (value.reshape(-1, count), np.einsum("dk,dlk->lk", along, gradient.reshape(len(begin), -1, count)))
-        for value, gradient in (functions.evaluate(leaf, np.tile(one, functions.count)) for one in (begin, end))
+        for value, gradient in (
+            functions.evaluate(leaf, np.tile(one, functions.count)) for one in (begin, begin + along)
+        )
     )
     apart = np.sign(first) != np.sign(last)
     dips = ~apart & (np.sign(first) * rising < 0) & (np.sign(last) * falling > 0)
@@ -202,15 +245,7 @@ def _stays(functions: Any, begin: Floats, end: Floats) -> Flags:
     with np.errstate(all="ignore"):
         for some in (apart, dips):
             roots[:, some] = _roots(first[some], last[some], rising[some], falling[some])
-    ordered = np.sort(roots.reshape(-1, count), axis=0)
-    stays = np.ones(count, np.bool_)
-    for lower, upper in pairwise(ordered):
-        asked = np.flatnonzero(np.isfinite(upper) & stays)
-        if not len(asked):
-            break
-        middle = (lower[asked] + upper[asked]) / 2
-        stays[asked] = _signs(functions, begin[:, asked] + middle * along[:, asked]) > 0
-    return stays
+    return roots.reshape(-1, count)
 
 
 def _roots(first: Floats, last: Floats, rising: Floats, falling: Floats) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -100,6 +100,8 @@ class Quadrature:
     unresolved : float
         The measure of what is left of cells, divided as far as it goes, in which the heights of leaves are not proved
         to be graphs, and in the plane of squares of where two leaves touch: the rule may be wrong there.
+    closed : (k, 2)
+        Touched cells next to each other between which nothing of the shape lies, where a problem has looked for them.
 
     Examples
     --------
@@ -120,6 +122,7 @@ class Quadrature:
     boundary: BoundaryQuadrature
     order: int
     unresolved: float
+    closed: Ints = field(default_factory=lambda: np.empty((0, 2), np.int64))
 
 
 def quadrature(
