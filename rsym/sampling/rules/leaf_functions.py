@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.logic.leaf_names import leaf_names
-from rsym.logic.lifting import lifted
+from rsym.logic.lifting import TURNED, lifted
 from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
@@ -123,9 +124,12 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
 
 
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
-    """The form without kinks in its leaves that are minima, maxima and absolute values in sums, and whose they are."""
+    """The form without kinks in its leaves that are minima, maxima and absolute values in sums, and whose they are.
+
+    Slabs are two half-spaces: rules on plane faces then have large parts.
+    """
     builder = form.builder
-    leaves = [_lifted(builder, leaf) for leaf in form.leaves]
+    leaves = [_slab(builder, _lifted(builder, leaf)) for leaf in form.leaves]
     made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
     smooth = replace(sign_form(builder, made[-1]), parameters=form.parameters)
     owner: dict[int, int] = {}
@@ -145,6 +149,59 @@ def _lifted(builder: Builder, leaf: int) -> int:
             break
         leaf = number
     return leaf
+
+
+def _slab(builder: Builder, leaf: int) -> int:
+    """A leaf c - k*u**2, of a linear u and numbers c and k above 0, as min(r - u, r + u), r the root of c/k.
+
+    So for its negative, a max.
+    """
+    operation, arguments, _ = builder.nodes[leaf]
+    if operation == "neg" and (inner := _slab(builder, arguments[0])) != arguments[0]:
+        operation, sides, _ = builder.nodes[inner]
+        return builder.make(TURNED[operation], *(builder.neg(side) for side in sides))
+    for constant, square in _both_ways(builder, leaf, "add"):
+        height = builder.value(constant)
+        for share, part in _multiples(builder, square):
+            _, sides, _ = builder.nodes[part]
+            if height is None or height * share >= 0 or builder.nodes[part].operation != "mul" or sides[0] != sides[1]:
+                continue
+            if _is_linear(builder, sides[0]):
+                half = builder.sqrt(builder.const(-height / share))
+                below, above = builder.add(half, sides[0]), builder.sub(half, sides[0])
+                if height > 0:
+                    return builder.make("min", below, above)
+                return builder.make("max", builder.neg(below), builder.neg(above))
+    return leaf
+
+
+def _both_ways(builder: Builder, number: int, operation: str) -> tuple[tuple[int, ...], ...]:
+    """The operands of a node of such an operation in both orders; none of another."""
+    node = builder.nodes[number]
+    return (node.arguments, node.arguments[::-1]) if node.operation == operation else ()
+
+
+def _multiples(builder: Builder, number: int) -> Iterator[tuple[Fraction, int]]:
+    """A node as numbers times nodes: itself, and without a sign and a factor."""
+    yield Fraction(1), number
+    sign, part = Fraction(1), number
+    if builder.nodes[number].operation == "neg":
+        sign, part = -sign, builder.nodes[number].arguments[0]
+        yield sign, part
+    if builder.nodes[part].operation == "mul":
+        factor, rest = builder.nodes[part].arguments
+        if (value := builder.value(factor)) is not None:
+            yield sign * value, rest
+
+
+def _is_linear(builder: Builder, number: int) -> bool:
+    """Whether a node is a sum of multiples of coordinates by numbers and letters."""
+    operation, arguments, _ = builder.nodes[number]
+    if operation == "input" or builder.uniform[number]:
+        return True
+    if operation == "mul" and not any(builder.uniform[argument] for argument in arguments):
+        return False
+    return operation in {"add", "neg", "mul"} and all(_is_linear(builder, argument) for argument in arguments)
 
 
 def gate_array(gates: tuple[Gate, ...]) -> Ints:

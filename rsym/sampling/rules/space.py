@@ -201,28 +201,45 @@ class BaseFunctions:
             gradient[:, :, face] = across(slopes, axis)
         if len(gap):
             low, high = lower[:, gap], upper[:, gap]
-            one, other = (self._climbs(k, leaf[gap], low, high) for k in (0, 1))
+            middle, half = low / 2 + high / 2, (high - low) / 2
+            one, other = (self._climbs(k, leaf[gap], low, high, half) for k in (0, 1))
             bounds = np.stack([one[:, 0] - other[:, 1], one[:, 1] - other[:, 0]], axis=1)
-            middle, _ = self.evaluate(leaf[gap], low / 2 + high / 2)
-            reach = (np.abs(bounds).max(axis=1) * (high - low) / 2).sum(axis=0)
-            value[:, gap] = middle - reach, middle + reach
+            between, _ = self.evaluate(leaf[gap], middle)
+            reach = (np.abs(bounds).max(axis=1) * half).sum(axis=0)
+            value[:, gap] = between - reach, between + reach
             gradient[:, :, gap] = bounds
         return value, gradient
 
-    def _climbs(self, number: int, which: Ints, lower: Floats, upper: Floats) -> Floats:
-        """Bounds (2, 2, n) of the gradients of the heights of the leaves of gaps over boxes."""
+    def _climbs(self, number: int, which: Ints, lower: Floats, upper: Floats, half: Floats) -> Floats:
+        """Bounds (2, 2, n) of the gradients of the heights of the leaves of gaps over boxes.
+
+        First anywhere in the piece, then at the heights that the leaf can have over the box by these bounds.
+        """
+        bottom, top = self.columns.height[:, self.piece[which]]
+        rough = self._climbs_between(number, which, lower, upper, bottom, top)
+        at, _ = self._heights(number, which, lower / 2 + upper / 2)
+        reach = (np.abs(rough).max(axis=1) * half).sum(axis=0)
+        return self._climbs_between(number, which, lower, upper, at - reach, at + reach)
+
+    def _climbs_between(
+        self, number: int, which: Ints, lower: Floats, upper: Floats, least: Floats, most: Floats
+    ) -> Floats:
+        """The same where heights are between these; beyond the ends of the piece the leaf has its constant slope."""
         own = self.piece[which]
         axis, steep = self.columns.pieces.axis[own], self.steep[number, which]
         bottom, top = self.columns.height[:, own]
-        ends = placed(axis, lower, bottom), placed(axis, upper, top)
-        _, slopes = self.columns.functions.enclose(self.leaf[number, which], *ends)
+        heights = np.clip(least, bottom, top), np.clip(most, bottom, top)
+        _, slopes = self.columns.functions.enclose(
+            self.leaf[number, which], *(placed(axis, *end) for end in zip((lower, upper), heights, strict=True))
+        )
         low, high = along(slopes, axis)
-        low, high = np.minimum(low, steep), np.maximum(high, steep)
+        beyond = (least <= bottom) | (most >= top)
+        low, high = np.where(beyond, np.minimum(low, steep), low), np.where(beyond, np.maximum(high, steep), high)
         with np.errstate(all="ignore"):
             ratios = np.stack([-across(slopes, axis) / end for end in (low, high)])
         known = (low > 0) | (high < 0)
-        least, most = ratios.min(axis=(0, 2)), ratios.max(axis=(0, 2))
-        return np.stack([np.where(known, least, -np.inf), np.where(known, most, np.inf)], axis=1)
+        steepest = ratios.min(axis=(0, 2)), ratios.max(axis=(0, 2))
+        return np.stack([np.where(known, steepest[0], -np.inf), np.where(known, steepest[1], np.inf)], axis=1)
 
 
 def across(gradient: Floats, axis: Ints) -> Floats:
