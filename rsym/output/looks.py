@@ -19,6 +19,7 @@ COLOUR_MAP, TWO_SIDED = "viridis", "RdBu_r"
 # Singular spots reach any height; the colours span what lies between these shares of all samples.
 ROBUST_RANGE = (0.02, 0.98)
 SHARE_OF_SIZES = 0.995
+NEAR = 0.25  # of the span of what is usual: what has no singular spots is shown whole
 LEVEL_COUNT, SIDE_COUNT = 14, 7
 ROUNDING = 1e-9  # of the other side: a side below is none
 # Fields whose sign says inside or outside: both are shown, however small the share of one is.
@@ -72,7 +73,8 @@ class Look:
         within = self.outside == "mask" or (self.outside == "dim" and field not in LOGICAL)
         if within and inside is not None and np.isfinite(values[inside]).any():
             values = values[inside]
-        return robust_levels(values) if not _has_sides(values, field) else _two_sided(values)
+        whole = self.outside == "mask"
+        return robust_levels(values, whole=whole) if not _has_sides(values, field) else _two_sided(values, whole)
 
     def colours(self, levels: Floats) -> tuple[str, Normalize]:
         """The colour map and the scale for levels: of two sides where they lie on both sides of 0."""
@@ -121,19 +123,25 @@ def snapped(levels: Floats, values: Floats, extend: str) -> Floats:
     return values
 
 
-def robust_levels(values: Floats) -> Floats:
+def robust_levels(values: Floats, *, whole: bool = False) -> Floats:
     """About fourteen round levels between low and high quantiles of the finite values.
+
+    `whole`: between the least and the greatest, where these are near.
 
     Examples
     --------
     >>> import numpy as np
     >>> robust_levels(np.append(np.linspace(0, 1, 1000), 1e9)).max() <= 1.1
     np.True_
+    >>> [bool(robust_levels(np.linspace(0, 1, 1000) ** 3, whole=whole).max() >= 1) for whole in (False, True)]
+    [False, True]
     """
     finite = values[np.isfinite(values)]
     if not finite.size:
         raise RsymError("the field is undefined in all of the bounds", code="undefined", remedy="choose other bounds")
     low, high = np.quantile(finite, ROBUST_RANGE)
+    if whole:
+        low, high = _near(low, finite.min(), high - low), _near(high, finite.max(), high - low)
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         margin = max(abs(low), 1.0) * 0.5
         low, high = low - margin, high + margin
@@ -179,13 +187,21 @@ def _has_sides(values: Floats, field: str) -> bool:
     return bool(low < -ROUNDING * high and high > -ROUNDING * low)
 
 
-def _two_sided(values: Floats) -> Floats:
+def _near(end: float, last: float, span: float) -> float:
+    """The last of some values in the place of their usual end, if it is near; never on the other side of 0."""
+    near = last if abs(last - end) <= NEAR * span else end
+    return float(near) if near * end > 0 else 0.0
+
+
+def _two_sided(values: Floats, whole: bool = False) -> Floats:
     """Round levels on both sides of 0, each spread over what is usual there; each side has its own."""
     finite = values[np.isfinite(values)]
     low, high = (
         np.quantile(finite[side], share) for side, share in zip((finite < 0, finite > 0), ROBUST_RANGE, strict=True)
     )
-    return np.unique(np.concatenate([-_upto(-float(low)), _upto(float(high))]))
+    if whole:
+        low, high = _near(low, finite.min(), -low), _near(high, finite.max(), high)
+    return np.unique(np.concatenate([-_upto(-float(low)), _upto(float(high))])) + 0.0  # never -0
 
 
 def _between(low: float, high: float) -> Floats:

@@ -39,6 +39,10 @@ def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near:
         box = found if inside else given
     made = prepared(shape, box, None)
     rule = made.rule(cells, order, near)
+    if not len(rule.points):
+        raise RsymError(
+            "the shape has nothing inside", code="empty", remedy="change the letters, or the bounds, so that it has"
+        )
     on_leaves = assigned(shape, list(names))
     met = np.unique(rule.boundary.leaves)
     sides = [rule.parts[leaf].removeprefix("cap ") for leaf in met if leaf >= len(on_leaves)]
