@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from threading import RLock
 from typing import Any
 
@@ -201,12 +201,20 @@ class Problem:
 
     @cached_property
     def extra_nodes(self) -> dict[str, int]:
-        """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where W, that of all others, is."""
+        """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where one of the others is.
+
+        1/W is the sum of 1/w of the others, which do not meet: their product would be so large beside w that e fell
+        from 1 to 0 within a thousandth of a cell.
+        """
         b, found = self.form.builder, {}
+        level = {leaf for hole in self.levels for leaf in hole}
+        outer = [leaf for leaf in self.leaves(*VALUED) if leaf not in level]
         with self._lowered.lock:
-            for number, hole in enumerate(self.levels):
-                others = self._vanishing([leaf for leaf in self.leaves(*VALUED) if leaf not in hole])
-                found[f"level {number}"] = b.div(others, b.add(others, self._vanishing(hole)))
+            holes = [self._vanishing(hole) for hole in self.levels]
+            for number, own in enumerate(holes):
+                others = [*([self._vanishing(outer)] if outer else []), *holes[:number], *holes[number + 1 :]]
+                joint = reduce(lambda f, g: b.div(b.mul(f, g), b.add(f, g)), others) if others else b.const(1)
+                found[f"level {number}"] = b.div(joint, b.add(joint, own))
         return found
 
     @property
