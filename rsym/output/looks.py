@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.output.paints import NOTHING, beyond, checked_limits, checked_map
+from rsym.output.paints import beyond, checked_limits, checked_map
 
 COLOUR_MAP, TWO_SIDED = "viridis", "RdBu_r"
 # Singular spots reach any height; the colours span what lies between these shares of all samples.
@@ -21,6 +21,7 @@ ROBUST_RANGE = (0.02, 0.98)
 SHARE_OF_SIZES = 0.995
 NEAR = 0.25  # of the span of what is usual: what has no singular spots is shown whole
 LEVEL_COUNT, SIDE_COUNT = 14, 7
+UNSEEN = 1e-3  # of the span of levels: what is beyond them by less is at their end, and no arrow says so
 ROUNDING = 1e-9  # of the other side: a side below is none
 # Fields whose sign says inside or outside: both are shown, however small the share of one is.
 LOGICAL = ("value", "normalised", "normalised_2", "normalised_3")
@@ -95,7 +96,7 @@ class Look:
         shown = values[..., 1:-1, 1:-1]  # what is beside the axes is not in the picture
         if self.outside == "mask" and omega is not None:
             shown = shown[omega[..., 1:-1, 1:-1] > 0]
-        return beyond(shown, levels[0], levels[-1])
+        return beyond(shown, levels[0], levels[-1], UNSEEN)
 
     @property
     def veil(self) -> float:
@@ -107,7 +108,7 @@ PLAIN = Look()
 
 
 def snapped(levels: Floats, values: Floats, extend: str) -> Floats:
-    """Values, those that are rounding beyond an end of levels at this end, for nothing is filled there.
+    """Values, those that are hardly beyond an end of levels at this end, for nothing is filled there.
 
     Examples
     --------
@@ -115,11 +116,11 @@ def snapped(levels: Floats, values: Floats, extend: str) -> Floats:
     [0.0, -1.0]
     """
     low, high = levels[0], levels[-1]
-    rounding = NOTHING * high - NOTHING * low
+    room = UNSEEN * high - UNSEEN * low
     if extend in ("neither", "max"):
-        values = np.where((values < low) & (values >= low - rounding), low, values)
+        values = np.where((values < low) & (values >= low - room), low, values)
     if extend in ("neither", "min"):
-        values = np.where((values > high) & (values <= high + rounding), high, values)
+        values = np.where((values > high) & (values <= high + room), high, values)
     return values
 
 
