@@ -91,6 +91,9 @@ def test_what_flows_through_a_hole_is_given():
     conditions = {"rim": 0, "bore": rsym.constant(3)}
     found = rsym.solve(RING.translate(2, 0), "-laplacian(u) = 0", conditions, cells=12, axis=y)
     assert abs(found.flux("rim") + 3) < 1e-3
+    shell = RING & rsym.half_plane((1, 0), 0)
+    found = rsym.solve(shell, "-laplacian(u) = 0", {"rim": 0, "bore": rsym.constant(4 * sp.pi)}, cells=12, axis=y)
+    np.testing.assert_allclose(found([0.3, 0, 0], [0.4, 0.5, -0.5]), 1, atol=1e-4)  # 1/r - 1
     slot = RIM - (rsym.disc(sp.Rational(1, 2)).named("bore") | rsym.rectangle(sp.Rational(6, 5), 0.2).named("slot"))
     conditions = {"rim": 0, "bore": rsym.constant(1), "slot": rsym.constant(2)}
     with pytest.raises(rsym.RsymError, match="one closed curve have the flows"):
