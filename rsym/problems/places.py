@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
-from rsym.backends.kernel import compile
+from rsym.backends.kernel import compile, real_arrays
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned
@@ -104,8 +104,8 @@ def on_shape(
         raise RsymError(
             f"a field on this shape takes {shape.dimension} coordinates, got {len(coordinates)}", code="arity"
         )
-    arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
-    points = np.stack([array.ravel() for array in arrays], axis=1)
+    arrays = real_arrays(coordinates)
+    points = np.stack([array.ravel() for array in arrays], axis=1).astype(np.float64, copy=False)
     there = inside(shape, splines, points)
     values = field(points[there])
     found = np.full((len(values), len(points)), np.nan)
