@@ -31,7 +31,7 @@ ROUNDS = 6
 PATIENCE = 2
 PULLS = 3
 # Quads of a group of clusters at least: handing out fewer takes longer than a thread more saves.
-GROUP = 400000
+GROUP = 1200
 # Steps of half again their length halve what is missing across a patch of eight vertices, and between two copies of a
 # corner, where it counts, they leave nothing. What else is missing is made good by rounds.
 FURTHER, SWEEPS = 1.5, 80
@@ -115,13 +115,14 @@ class _Patch:
 
         Those on a seam of leaves have neighbours along it; corners stay.
         """
-        waited, groups = 0, self._groups()
+        groups, waited = self._groups(), 0
         for _ in range(ROUNDS):
             list(map(self._round, groups) if pool is None or len(groups) < 2 else pool.map(self._round, groups))
             waited = 0 if self._keep_better() else waited + 1
-            if waited == PATIENCE or not self.fewest.any():
+            goes_on = (self.fewest > 0)[self.of_quad]
+            groups = [quads for quads in (quads[goes_on[quads]] for quads in groups) if len(quads)]
+            if waited == PATIENCE or not groups:
                 break
-            groups = [quads[self.fewest[self.of_quad[quads]] > 0] for quads in groups]
 
     def pull(self, to_corners: bool) -> None:
         """The vertices of folded triangles to the nearest seam beside them, or those on seams to the nearest corner."""
