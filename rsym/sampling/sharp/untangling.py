@@ -30,8 +30,9 @@ ROUNDS = 6
 # what they were, and the two others come closer to their volumes. With one, a fold more is left on a car.
 PATIENCE = 2
 PULLS = 3
-# Quads of a group of clusters at least: handing out fewer takes longer than a thread more saves.
-GROUP = 1200
+# Clusters are put into so many groups, each for a thread, where these have so many quads at least: a call for fewer
+# takes longer than it saves, and more groups make more calls.
+GROUPS, GROUP = 2, 1000
 # Steps of half again their length halve what is missing across a patch of eight vertices, and between two copies of a
 # corner, where it counts, they leave nothing. What else is missing is made good by rounds.
 FURTHER, SWEEPS = 1.5, 80
@@ -158,7 +159,7 @@ class _Patch:
         """The quads of clusters, put together in groups of about one size."""
         size = np.bincount(self.of_quad)
         load, group = (
-            np.zeros(max(1, min(len(size), len(self.quads) // GROUP)), np.int64),
+            np.zeros(max(1, min(len(size), GROUPS, len(self.quads) // GROUP)), np.int64),
             np.empty(len(size), np.int64),
         )
         for cluster in np.argsort(-size, kind="stable").tolist():
