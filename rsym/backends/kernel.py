@@ -97,7 +97,7 @@ class Kernel:
                 f"this kernel takes {len(names)} coordinates ({', '.join(names)}), got {len(coordinates)}",
                 code="arity",
             )
-        arrays = _broadcast([_as_real(array) for array in coordinates])
+        arrays = real_arrays(coordinates)
         out = np.empty((len(self.program.outputs), *arrays[0].shape), self.dtype)
         run_in_blocks(self.function, arrays, [values[name] for name in self.program.letters], out, self.threads)
         parts = dict(zip((name for name, _ in self.program.outputs), out, strict=True))
@@ -314,7 +314,15 @@ def _real(item: Any) -> float:
     return float(item)
 
 
-def _broadcast(arrays: list[NDArray[Any]]) -> Sequence[NDArray[Any]]:
+def real_arrays(coordinates: Sequence[ArrayLike]) -> Sequence[NDArray[Any]]:
+    """Coordinates as real arrays of one shape.
+
+    Examples
+    --------
+    >>> [array.tolist() for array in real_arrays((1, [0.5, 2]))]
+    [[1.0, 1.0], [0.5, 2.0]]
+    """
+    arrays = [_as_real(array) for array in coordinates]
     try:
         return np.broadcast_arrays(*arrays)
     except ValueError as error:

@@ -95,6 +95,13 @@ def add_refinement(parser: argparse.ArgumentParser, *, axis: bool = True) -> Non
         )
 
 
+def add_poisson(parser: argparse.ArgumentParser) -> None:
+    """Poisson's ratio of a plate."""
+    parser.add_argument(
+        "--poisson", type=float, metavar="RATIO", help="Poisson's ratio of a plate, which free and curved edges ask for"
+    )
+
+
 def cut_shape(shape: Shape, options: argparse.Namespace) -> Shape:
     """The plane shape that a section cuts out of one in space, if the options of `add_section` say so."""
     from rsym.model.constructions import section

@@ -8,6 +8,7 @@ from rsym.commands.field_options import (
     add_conditions,
     add_equation,
     add_picture,
+    add_poisson,
     add_refinement,
     check_output,
     error_of,
@@ -33,6 +34,7 @@ def add(commands: Commands) -> None:
     add_equation(parser, 'that of the model file, or "-laplacian(u) = 0"; its operator is meant')
     add_conditions(parser, "those of the model file, or 0 on all of the boundary")
     add_refinement(parser)
+    add_poisson(parser)
     add_section(parser)
     add_picture(parser, lines=False)
 
@@ -55,6 +57,7 @@ def run(options: argparse.Namespace) -> None:
             cells=options.cells,
             tolerance=options.tolerance,
             axis=options.axis,
+            poisson=options.poisson,
             progress=progress,
         )
     print(f"{'mode':>4}  eigenvalue")

@@ -8,6 +8,7 @@ from rsym.commands.field_options import (
     add_conditions,
     add_equation,
     add_picture,
+    add_poisson,
     add_refinement,
     check_output,
     load_problem,
@@ -31,6 +32,7 @@ def add(commands: Commands) -> None:
     add_equation(parser, "that of the model file")
     add_conditions(parser, "those of the model file; where nothing is said nothing flows")
     add_refinement(parser)
+    add_poisson(parser)
     add_section(parser)
     add_picture(parser)
 
@@ -49,12 +51,13 @@ def run(options: argparse.Namespace) -> None:
             cells=options.cells,
             tolerance=options.tolerance,
             axis=options.axis,
+            poisson=options.poisson,
             progress=progress,
         )
     least, most = found.minimum(), found.maximum()
-    size = max(abs(least.value), abs(most.value))
+    size, reach = max(abs(least.value), abs(most.value)), float(abs(found.rule.points).max())
     print(found.report)
     for word, one in (("minimum", least), ("maximum", most)):
-        print(f"  {word:<8}  {short(one.value, size)} at {point(one.point, 4)}")
-    print(f"  integral  {short(found.integral())}")
+        print(f"  {word:<8}  {short(one.value, size)} at {point(one.point, 4, reach)}")
+    print(f"  integral  {short(found.integral(), size * float(found.rule.weights.sum()))}")
     write_output(found, lambda: figure_of(plot_field(found)), options)

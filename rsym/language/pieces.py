@@ -248,9 +248,9 @@ def _given(piece: PieceRow, bound: inspect.BoundArguments) -> tuple[tuple[Any, .
 
 
 def _takes(piece: PieceRow) -> str:
-    """The parameters, for a message."""
-    parameters = piece.signature.parameters.values()
-    return f"it takes {', '.join(str(one.replace(annotation=one.empty)) for one in parameters)}"
+    """The parameters, for a message, points and directions as models have them."""
+    parameters = (str(one.replace(annotation=one.empty)) for one in piece.signature.parameters.values())
+    return f"it takes {', '.join(parameters).translate(str.maketrans('()', '[]'))}"
 
 
 def _turn(expression: sp.Expr) -> sp.Expr | None:

@@ -21,6 +21,14 @@ _REMEDIES = {
     "Mesh": "rsym.mesh(shape), or patch.mesh() of a patch",
     "Patch": "a patch of rsym.surfaces",
     "Section": "what rsym.sections(shape, values) gives",
+    "Spectrum": "what rsym.modes(shape, count) gives",
+    "Torsion": "what rsym.torsion(shape) gives",
+    "ElasticSolution": "what rsym.elasticity(shape, conditions) gives",
+}
+# What is drawn by a function of its own.
+_DRAWN = {
+    "Spectrum": "rsym.plot_modes draws it; one of its .modes is a field",
+    "ElasticSolution": "rsym.plot_deformation draws it",
 }
 
 
@@ -38,7 +46,8 @@ def require_shape(shape: Any) -> None:
         remedy = "rsym.load(name) gives the shape of a name" if isinstance(shape, str) else _REMEDIES["Shape"]
         if isinstance(getattr(shape, "shape", None), Equation):
             remedy = "its .shape is one; a field on a shape is called with coordinates"
-        raise RsymError(f"expected a Shape, got {type(shape).__name__}", code="shape", remedy=remedy)
+        got = type(shape).__name__
+        raise RsymError(f"expected a Shape, got {got}", code="shape", remedy=_DRAWN.get(got, remedy))
 
 
 def require_kind(kind: type[T], value: Any, code: str, remedy: str = "") -> T:

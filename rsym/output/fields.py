@@ -26,7 +26,7 @@ from rsym.output.sign_pictures import draw_signs
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import LevelLines, trace
-from rsym.sampling.plane import GivenField, PlaneSampler, checked_scalar, plane_sampler
+from rsym.sampling.plane import GIVEN, GivenField, PlaneSampler, checked_scalar, plane_sampler
 from rsym.sampling.progress import Progress, tell
 
 # The Laplacian of what is harmonic is the error of its second derivatives: drawn where it is asked for.
@@ -274,7 +274,7 @@ class Sheet:
         inside = samples.omega > 0
         looks = [self._look.of(field) for field in samples.fields]
         levels = [
-            look.levels_of(values, field, inside)
+            look.levels_of(values, samples.called(field), inside)
             for look, (field, values) in zip(looks, samples.fields.items(), strict=True)
         ]
         places: list[Axes | None] = [bar.ax for bar in self._bars] or [None] * total
@@ -323,6 +323,11 @@ class SheetSamples:
     fields: Mapping[str, NDArray[Any]]
     omega: NDArray[Any]
     boundary: LevelLines
+    solved: bool = False
+
+    def called(self, field: str) -> str:
+        """The name of a field to choose levels by: u says nothing of what is inside, omega does."""
+        return GIVEN if self.solved and field == "value" else field
 
 
 def sheet_sampler(
@@ -349,7 +354,7 @@ def _given_samples(
     values = {name: plane_sampler(field_on, name, letters=letters, **options).values() for name in names}
     omega = plane_sampler(field_on.shape, "value", **options)
     logic = omega.values()
-    return SheetSamples(omega, values, logic, trace(omega, 0.0, values=logic))
+    return SheetSamples(omega, values, logic, trace(omega, 0.0, values=logic), solved=True)
 
 
 def _arrangement(sampler: PlaneSampler, count: int) -> tuple[int, int, tuple[float, float]]:

@@ -22,7 +22,7 @@ from rsym.output.looks import Look
 from rsym.output.units import UNITS
 from rsym.sampling.contours import level_lines
 from rsym.sampling.outlines import outline_within
-from rsym.sampling.plane import GivenField, plane_sampler
+from rsym.sampling.plane import GIVEN, GivenField, plane_sampler
 from rsym.sampling.plane_leaves import leaves_of
 
 LAYERS = (".svg", ".dxf")
@@ -91,7 +91,7 @@ def level_layers(of: Shape | GivenField, levels: Any, resolution: int | Sequence
     # The level 0 of omega is the outline, with its corners.
     wanted = [one for one in chosen if solved or one != 0]
     lines = level_lines(of, wanted, **fine) if wanted else ()
-    name = "u" if solved else "omega"
+    name = GIVEN if solved else "omega"
     missed = [f"{one.level:g}" for one in lines if not one.lines]
     if missed and levels is not None:
         warn(f"{name} has no lines at {', '.join(missed)}; remedy: levels between its least and greatest value")
@@ -103,7 +103,7 @@ def level_layers(of: Shape | GivenField, levels: Any, resolution: int | Sequence
 def _round_levels(of: GivenField) -> list[float]:
     inside = plane_sampler(of.shape, "value", resolution=COARSE).values() > 0
     values = plane_sampler(of, "value", resolution=COARSE).values()
-    found: list[float] = Look(outside="mask").levels_of(values, "value", inside).tolist()
+    found: list[float] = Look(outside="mask").levels_of(values, GIVEN, inside).tolist()
     return found
 
 

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.output.paints import NOTHING, beyond, checked_limits, checked_map
+from rsym.output.paints import beyond, checked_limits, checked_map
 
 COLOUR_MAP, TWO_SIDED = "viridis", "RdBu_r"
 # Singular spots reach any height; the colours span what lies between these shares of all samples.
 ROBUST_RANGE = (0.02, 0.98)
 SHARE_OF_SIZES = 0.995
+NEAR = 0.25  # of the span of what is usual: what has no singular spots is shown whole
 LEVEL_COUNT, SIDE_COUNT = 14, 7
+UNSEEN = 1e-3  # of the span of levels: what is beyond them by less is at their end, and no arrow says so
 ROUNDING = 1e-9  # of the other side: a side below is none
 # Fields whose sign says inside or outside: both are shown, however small the share of one is.
 LOGICAL = ("value", "normalised", "normalised_2", "normalised_3")
@@ -72,7 +74,8 @@ class Look:
         within = self.outside == "mask" or (self.outside == "dim" and field not in LOGICAL)
         if within and inside is not None and np.isfinite(values[inside]).any():
             values = values[inside]
-        return robust_levels(values) if not _has_sides(values, field) else _two_sided(values)
+        whole = self.outside == "mask"
+        return robust_levels(values, whole=whole) if not _has_sides(values, field) else _two_sided(values, whole)
 
     def colours(self, levels: Floats) -> tuple[str, Normalize]:
         """The colour map and the scale for levels: of two sides where they lie on both sides of 0."""
@@ -93,7 +96,7 @@ class Look:
         shown = values[..., 1:-1, 1:-1]  # what is beside the axes is not in the picture
         if self.outside == "mask" and omega is not None:
             shown = shown[omega[..., 1:-1, 1:-1] > 0]
-        return beyond(shown, levels[0], levels[-1])
+        return beyond(shown, levels[0], levels[-1], UNSEEN)
 
     @property
     def veil(self) -> float:
@@ -105,7 +108,7 @@ PLAIN = Look()
 
 
 def snapped(levels: Floats, values: Floats, extend: str) -> Floats:
-    """Values, those that are rounding beyond an end of levels at this end, for nothing is filled there.
+    """Values, those that are hardly beyond an end of levels at this end, for nothing is filled there.
 
     Examples
     --------
@@ -113,27 +116,33 @@ def snapped(levels: Floats, values: Floats, extend: str) -> Floats:
     [0.0, -1.0]
     """
     low, high = levels[0], levels[-1]
-    rounding = NOTHING * high - NOTHING * low
+    room = UNSEEN * high - UNSEEN * low
     if extend in ("neither", "max"):
-        values = np.where((values < low) & (values >= low - rounding), low, values)
+        values = np.where((values < low) & (values >= low - room), low, values)
     if extend in ("neither", "min"):
-        values = np.where((values > high) & (values <= high + rounding), high, values)
+        values = np.where((values > high) & (values <= high + room), high, values)
     return values
 
 
-def robust_levels(values: Floats) -> Floats:
+def robust_levels(values: Floats, *, whole: bool = False) -> Floats:
     """About fourteen round levels between low and high quantiles of the finite values.
+
+    `whole`: between the least and the greatest, where these are near.
 
     Examples
     --------
     >>> import numpy as np
     >>> robust_levels(np.append(np.linspace(0, 1, 1000), 1e9)).max() <= 1.1
     np.True_
+    >>> [bool(robust_levels(np.linspace(0, 1, 1000) ** 3, whole=whole).max() >= 1) for whole in (False, True)]
+    [False, True]
     """
     finite = values[np.isfinite(values)]
     if not finite.size:
         raise RsymError("the field is undefined in all of the bounds", code="undefined", remedy="choose other bounds")
     low, high = np.quantile(finite, ROBUST_RANGE)
+    if whole:
+        low, high = _near(low, finite.min(), high - low), _near(high, finite.max(), high - low)
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         margin = max(abs(low), 1.0) * 0.5
         low, high = low - margin, high + margin
@@ -179,13 +188,21 @@ def _has_sides(values: Floats, field: str) -> bool:
     return bool(low < -ROUNDING * high and high > -ROUNDING * low)
 
 
-def _two_sided(values: Floats) -> Floats:
+def _near(end: float, last: float, span: float) -> float:
+    """The last of some values in the place of their usual end, if it is near; never on the other side of 0."""
+    near = last if abs(last - end) <= NEAR * span else end
+    return float(near) if near * end > 0 else 0.0
+
+
+def _two_sided(values: Floats, whole: bool = False) -> Floats:
     """Round levels on both sides of 0, each spread over what is usual there; each side has its own."""
     finite = values[np.isfinite(values)]
     low, high = (
         np.quantile(finite[side], share) for side, share in zip((finite < 0, finite > 0), ROBUST_RANGE, strict=True)
     )
-    return np.unique(np.concatenate([-_upto(-float(low)), _upto(float(high))]))
+    if whole:
+        low, high = _near(low, finite.min(), -low), _near(high, finite.max(), high)
+    return np.unique(np.concatenate([-_upto(-float(low)), _upto(float(high))])) + 0.0  # never -0
 
 
 def _between(low: float, high: float) -> Floats:

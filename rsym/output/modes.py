@@ -12,7 +12,7 @@ from matplotlib.figure import Figure, SubFigure
 from rsym.arrays import Floats
 from rsym.model.requirements import require_kind
 from rsym.output.looks import TWO_SIDED, Look
-from rsym.output.panels import draw_levels, dress
+from rsym.output.panels import columns_of, draw_levels, dress
 from rsym.output.pictures import checked_titles, page, whole
 from rsym.problems.spectra import Spectrum
 from rsym.sampling.contours import trace
@@ -21,7 +21,6 @@ from rsym.sampling.progress import Progress, tell
 
 SHARE = 0.995  # of the samples inside: the colours end there
 SIDE = 7  # levels on each side of 0
-MOST_COLUMNS = 3
 PANEL = 2.5  # inches
 
 
@@ -84,7 +83,7 @@ def plot_modes(
     omega = plane_sampler(spectrum.modes[0].shape, "value", **options)
     logic = omega.values()
     boundary = trace(omega, 0.0, values=logic)
-    columns = min(MOST_COLUMNS, len(named))
+    columns = columns_of(len(named))
     rows = math.ceil(len(named) / columns)
     lattice = omega.lattice
     slender = lattice.spacing[1] * lattice.counts[1] / (lattice.spacing[0] * lattice.counts[0])

@@ -162,16 +162,16 @@ def value_coat(
     return Coat(lambda spots: colours(between(spots)), colours.scale, colours.label)
 
 
-def beyond(values: Floats, low: float, high: float) -> str:
-    """At which ends of its colours a bar has an arrow: where values lie beyond them, by more than rounding.
+def beyond(values: Floats, low: float, high: float, share: float = NOTHING) -> str:
+    """At which ends of its colours a bar has an arrow: where values lie beyond them, by more than a share of both.
 
     Examples
     --------
     >>> beyond(np.array([-1e-17, 0.5, np.nan]), 0.0, 1.0), beyond(np.array([0.5, 2.0]), 0.0, 1.0)
     ('neither', 'max')
     """
-    rounding = NOTHING * high - NOTHING * low
-    return EXTENSIONS[bool((values < low - rounding).any()), bool((values > high + rounding).any())]
+    room = share * high - share * low
+    return EXTENSIONS[bool((values < low - room).any()), bool((values > high + room).any())]
 
 
 @dataclass(frozen=True)

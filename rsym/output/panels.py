@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
@@ -25,7 +26,7 @@ from rsym.sampling.plane import PlaneSampler, PlaneView
 
 TITLES = {field: title_of(field) for field in SCALARS}
 
-PLAIN_NUMBERS = StrMethodFormatter("{x:g}")
+PLAIN_DIGITS = 6  # of numbers beside colours, more where they would not tell two levels apart
 # A line may be this share of a cell beside itself when it is drawn; matplotlib allows itself so many pixels.
 STRAIGHT, SIMPLIFIED = 0.1, 1 / 9
 LARGEST = 1e249  # matplotlib fills up to 1e250
@@ -97,19 +98,32 @@ def colour_bar(artist: QuadContourSet, *axes: Axes, rows: int = 1, place: Axes |
     levels = np.asarray(artist.levels)
     step = -(-len(levels) // 7)
     ticks = levels[np.abs(levels).argmin() % step :: step]
+    apart = float(np.abs(levels).max() / np.diff(levels).min())
+    numbers = StrMethodFormatter(f"{{x:.{max(PLAIN_DIGITS, math.ceil(math.log10(apart)) + 1)}g}}")
     (left, right), (low, high) = axes[0].get_xlim(), axes[0].get_ylim()
     slender = 20 * max(1.0, rows * (high - low) / (right - left))
     if place is None:
         bar = axes[0].figure.colorbar(
-            artist, ax=axes, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks, format=PLAIN_NUMBERS
+            artist, ax=axes, pad=0.02, fraction=0.05, aspect=slender, ticks=ticks, format=numbers
         )
     else:
         place.clear()
         # A second locator would take the room for the arrows of the bar once more.
         place.set_axes_locator(None)  # type: ignore[arg-type]
-        bar = axes[0].figure.colorbar(artist, cax=place, ticks=ticks, format=PLAIN_NUMBERS)
+        bar = axes[0].figure.colorbar(artist, cax=place, ticks=ticks, format=numbers)
     bar.ax.tick_params(labelsize=7, length=2)
     return bar
+
+
+def columns_of(count: int) -> int:
+    """How many columns so many panels stand in: three, but four are a square.
+
+    Examples
+    --------
+    >>> [columns_of(count) for count in (1, 2, 3, 4, 5)]
+    [1, 2, 3, 2, 3]
+    """
+    return 2 if count == 4 else min(count, 3)
 
 
 def dress(ax: Axes, sampler: PlaneSampler | PlaneView, title: str) -> None:

@@ -19,7 +19,7 @@ from rsym.model.shape import Shape
 from rsym.output import axes3d
 from rsym.output.boundaries import LEGEND, draw_parts
 from rsym.output.looks import Look
-from rsym.output.panels import colour_bar, draw_levels, dress, named
+from rsym.output.panels import colour_bar, columns_of, draw_levels, dress, named
 from rsym.output.pictures import checked_titles, page, whole
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import plot_mesh
@@ -172,7 +172,7 @@ def _panel(shape: Shape, name: str, letters: Mapping[Any, float]) -> _Panel:
 
 def _columns(columns: int | None, count: int) -> int:
     if columns is None:
-        return 2 if count == 4 else min(count, 3)
+        return columns_of(count)
     if isinstance(columns, bool) or not isinstance(columns, int) or columns < 1:
         raise RsymError(f"columns must be a positive integer, got {columns!r}", code="columns")
     return min(columns, count)

@@ -314,7 +314,7 @@ class Discretisation:
         lift = self.problem.lift(self.problem.order)
         if lift is not None:
             for where, form in self._forms():
-                total = total - self.loads(where, applied_form(form, lift))
+                total = total - self.loads(where, applied_form(form, _defined(lift)))
         for number, flow in enumerate(self.problem.flows):
             total[0, total.shape[1] - self.extra_count + number] += flow
         right: Floats = total[0]
@@ -351,6 +351,17 @@ class Discretisation:
         across, among = inner @ columns[:active], columns[active:]
         down = across if symmetric else inner @ rows
         return sparse.bmat([[own, across], [down.T, among]], format="csr")
+
+
+def _defined(lift: Jets) -> Jets:
+    """The derivatives of a lift; refused where there are none."""
+
+    def found(points: Floats) -> Floats:
+        values = lift(points)
+        require_numbers("the value on the boundary, as it goes on inside,", values.sum(axis=0), points)
+        return values
+
+    return found
 
 
 def at_values(weights: Floats, kinds: int) -> FormAt:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
@@ -56,20 +55,18 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Ex
     return lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {})
 
 
-def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], powers: Mapping[Name, int]) -> sp.Expr:
-    """An expression with values on parts: the sum of u_i/w_i over that of 1/w_i; some weights have a power above 1.
+def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[Name, sp.Expr]) -> sp.Expr:
+    """An expression with values on parts: the sum of u_i/w_i over that of 1/w_i; some weights have factors.
 
-    These are taken over the size of the shape, for far from their parts they grow.
+    These are 0 in points at most. Powers of the weights themselves, which they stand for, have gradients beyond all
+    bounds where their parts meet others.
     """
     parts.require_all()
     parts.require_agreement({name: value for name, value in values.items() if name in parts.leaves})
     nodes = {name: weight(parts.form, leaves) for name, leaves in parts.leaves.items()}
     made = parts.form.builder.nodes
-    size = sp.Float(float(np.diff(parts.box, axis=1).max()))
     pieces = [
-        OnPart(
-            values[name], size * (raised(made, node) / size) ** powers[name] if name in powers else raised(made, node)
-        )
+        OnPart(values[name], factors.get(name, sp.S.One) * raised(made, node))
         for name, node in nodes.items()
         if node is not None
     ]

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from rsym.arrays import Ints
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.shape import Shape
@@ -26,8 +27,8 @@ class BoundaryLoop(NamedTuple):
     hole: bool
 
 
-def loops_of(shape: Shape) -> tuple[BoundaryLoop, ...]:
-    """The curves of the boundary, as a lattice shows them.
+def loops_of(shape: Shape, axis: Collection[int] = ()) -> tuple[BoundaryLoop, ...]:
+    """The curves of the boundary, as a lattice shows them; without leaves on an axis the pieces that are left.
 
     Raises
     ------
@@ -47,9 +48,18 @@ def loops_of(shape: Shape) -> tuple[BoundaryLoop, ...]:
         _, active = leaves.distance(np.asarray(line))
         u, v = np.diff(line, axis=0).T
         turned = float(np.sum(line[:-1, 0] * v - line[:-1, 1] * u))
-        found.append(BoundaryLoop(tuple(np.unique(active).tolist()), turned < 0))
-    _require_all(shape, leaves, {leaf for loop in found for leaf in loop.leaves})
+        found += [BoundaryLoop(tuple(np.unique(piece).tolist()), turned < 0) for piece in _pieces(active, axis)]
+    _require_all(shape, leaves, {*axis, *(leaf for loop in found for leaf in loop.leaves)})
     return tuple(sorted(found, key=lambda loop: (loop.hole, loop.leaves)))
+
+
+def _pieces(leaves: Ints, axis: Collection[int]) -> list[Ints]:
+    """What is left of the leaves along a closed curve where those on an axis are taken out."""
+    on = np.flatnonzero(np.isin(leaves, list(axis)))
+    if not len(on):
+        return [leaves]
+    every = np.split(np.roll(leaves, -on[0]), np.sort((on - on[0]) % len(leaves)))
+    return [piece[1:] for piece in every if len(piece) > 1]
 
 
 def _require_all(shape: Shape, leaves: PlaneLeaves, seen: Collection[int]) -> None:
@@ -73,8 +83,10 @@ def _require_all(shape: Shape, leaves: PlaneLeaves, seen: Collection[int]) -> No
             )
 
 
-def holes(shape: Shape, unknown: Collection[int]) -> tuple[tuple[int, ...], ...]:
+def holes(shape: Shape, unknown: Collection[int], axis: Collection[int] = ()) -> tuple[tuple[int, ...], ...]:
     """Leaves at unknown levels by the curves that they make up; in space each by itself.
+
+    About an axis, on which some leaves lie, curves that end there close around it.
 
     Raises
     ------
@@ -87,7 +99,7 @@ def holes(shape: Shape, unknown: Collection[int]) -> tuple[tuple[int, ...], ...]
         return tuple((leaf,) for leaf in unknown)
     names: Mapping[int, str] = dict(enumerate(shape_leaf_names(shape)))
     found: list[tuple[int, ...]] = []
-    for loop in loops_of(shape):
+    for loop in loops_of(shape, axis):
         level = [leaf for leaf in loop.leaves if leaf in unknown]
         if level and len(level) < len(loop.leaves):
             other = next(leaf for leaf in loop.leaves if leaf not in unknown)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
-from rsym.backends.kernel import compile
+from rsym.backends.kernel import compile, real_arrays
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned
@@ -41,6 +41,10 @@ def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near:
         box = found if inside else given
     made = prepared(shape, box, None)
     rule = made.rule(cells, order, near)
+    if not len(rule.points):
+        raise RsymError(
+            "the shape has nothing inside", code="empty", remedy="change the letters, or the bounds, so that it has"
+        )
     on_leaves = assigned(shape, list(names))
     met = np.unique(rule.boundary.leaves)
     sides = [rule.parts[leaf].removeprefix("cap ") for leaf in met if leaf >= len(on_leaves)]
@@ -103,8 +107,8 @@ def on_shape(
         raise RsymError(
             f"a field on this shape takes {shape.dimension} coordinates, got {len(coordinates)}", code="arity"
         )
-    arrays = np.broadcast_arrays(*(np.asarray(one, np.float64) for one in coordinates))
-    points = np.stack([array.ravel() for array in arrays], axis=1)
+    arrays = real_arrays(coordinates)
+    points = np.stack([array.ravel() for array in arrays], axis=1).astype(np.float64, copy=False)
     there = inside(shape, splines, points)
     values = field(points[there])
     found = np.full((len(values), len(points)), np.nan)

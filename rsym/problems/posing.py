@@ -52,7 +52,7 @@ def posed(problem: Problem) -> Problem:
         conditions[leaf] = None
     unknown = [leaf for leaf, one in enumerate(conditions) if isinstance(one, UnknownLevel)]
     every, cuts = placed_conditions(problem.shape, problem.form, conditions, problem.order)
-    levels = holes(problem.shape, unknown)
+    levels = holes(problem.shape, unknown, on_axis)
     flows = tuple(_flow(problem, [conditions[leaf] for leaf in hole]) for hole in levels)
     return replace(problem, conditions=every, levels=levels, flows=flows, corners=None, cuts=cuts)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from threading import RLock
 from typing import Any
 
@@ -39,10 +39,13 @@ from rsym.problems.switches import EdgeCut, Switches, split_form
 from rsym.problems.systems.borders import Beside
 from rsym.problems.weak.weak_form import WeakForm, sized
 from rsym.program.lowering import lower
+from rsym.program.raising import raised
 from rsym.sampling.extent import bounds_or_extent
 
 VALUE, FLUX = "value", "flux"
-SMOOTHLY = 4  # the power of weights with roots in them that a lift is made of
+# Where conditions change on an edge weights have roots in them. In a lift they are multiplied by this power of
+# r**2/(r**2 + a**2), r the distance from there, a this share of the size of a shape.
+SMOOTHLY, ABOUT = 2, 0.25
 NO_LOAD = 1e-9  # of the largest at corners: rounding of their places
 VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
 
@@ -187,11 +190,16 @@ class Problem:
         named: dict[Name, list[int]] = {f"where it is {value}": leaves for value, leaves in own.items()}
         box = bounds_or_extent(self.shape, None)
         pairs = [(cut.leaf, len(self.form.leaves) + k) for k, cut in enumerate(self.cuts)]
-        powers = {
-            name: SMOOTHLY for name, leaves in named.items() if {leaf for pair in pairs for leaf in pair} & {*leaves}
-        }
+        about = sp.Float((ABOUT * float(np.diff(box, axis=1).max())) ** 2)
+        factors: dict[Name, sp.Expr] = {}
+        for name, leaves in named.items():
+            for cut, pair in zip(self.cuts, pairs, strict=True):
+                if {*pair} & {*leaves}:
+                    edge = raised(self.form.builder.nodes, self.form.leaves[cut.leaf])
+                    away = edge**2 + cut.where**2
+                    factors[name] = factors.get(name, sp.S.One) * (away / (away + about)) ** SMOOTHLY
         between = {both: len(self.conditions) + k for k, pair in enumerate(pairs) for both in (pair, pair[::-1])}
-        return lift_on(Parts(self.shape, named, self.split, box, between), dict(zip(named, own, strict=True)), powers)
+        return lift_on(Parts(self.shape, named, self.split, box, between), dict(zip(named, own, strict=True)), factors)
 
     def lift(self, order: int) -> PointFormulas | None:
         """Its derivatives; None where it is 0."""
@@ -201,12 +209,20 @@ class Problem:
 
     @cached_property
     def extra_nodes(self) -> dict[str, int]:
-        """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where W, that of all others, is."""
+        """The functions e: W/(W + w) is 1 where the weight w of a hole is 0, and 0 where one of the others is.
+
+        1/W is the sum of 1/w of the others, which do not meet: their product would be so large beside w that e fell
+        from 1 to 0 within a thousandth of a cell.
+        """
         b, found = self.form.builder, {}
+        level = {leaf for hole in self.levels for leaf in hole}
+        outer = [leaf for leaf in self.leaves(*VALUED) if leaf not in level]
         with self._lowered.lock:
-            for number, hole in enumerate(self.levels):
-                others = self._vanishing([leaf for leaf in self.leaves(*VALUED) if leaf not in hole])
-                found[f"level {number}"] = b.div(others, b.add(others, self._vanishing(hole)))
+            holes = [self._vanishing(hole) for hole in self.levels]
+            for number, own in enumerate(holes):
+                others = [*([self._vanishing(outer)] if outer else []), *holes[:number], *holes[number + 1 :]]
+                joint = reduce(lambda f, g: b.div(b.mul(f, g), b.add(f, g)), others) if others else b.const(1)
+                found[f"level {number}"] = b.div(joint, b.add(joint, own))
         return found
 
     @property

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeVar
 
 from rsym.errors import RsymError, warn
+from rsym.model.requirements import require_positive
 from rsym.reports.numbers import short
 from rsym.sampling.progress import Progress, report
 
@@ -72,6 +73,7 @@ def refined(
     (16, [4, 5])
     """
     tolerance = TOLERANCE if tolerance is None else tolerance
+    require_positive("tolerance", tolerance, "for example tolerance=1e-6")
     grades: list[Grade] = []
     best: T | None = None
     for step in range(STEPS):

@@ -305,7 +305,8 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
             raise RsymError(
                 f"the shape is on both sides of the axis, from {least:.4g} to {most:.4g}",
                 code="axis",
-                remedy="give half of the section: shape & rsym.half_plane((1, 0), 0) for axis=y",
+                remedy="give half of the section: shape & rsym.half_plane"
+                f"({(1, 0) if problem.axis else (0, 1)}, 0) for axis={problem.shape.coordinates[problem.axis]}",
             )
     return rule
 

@@ -241,11 +241,16 @@ def _require_mass(values: Floats, place: str) -> None:
 def _require_homogeneous(problem: Problem) -> None:
     """Refuse what makes L u = lambda*m*u no problem of eigenvalues."""
     flowing = any(problem.flows) or any(problem.conditions[leaf].flux != 0 for leaf in problem.leaves(Robin))  # type: ignore[union-attr]
-    loaded = problem.equation.expressions["f"] != 0
-    if problem.lift_expression != 0 or flowing or loaded or not problem.equation.symmetric:
+    wrong = {
+        "a value": problem.lift_expression != 0,
+        "a flux": flowing,
+        "a right side": problem.equation.expressions["f"] != 0,
+        "first derivatives": not problem.equation.symmetric,
+    }
+    if any(wrong.values()):
         raise RsymError(
             "modes need conditions with values 0 and fluxes 0, and an equation without a right side and first "
-            "derivatives",
+            f"derivatives, got {', '.join(word for word, there in wrong.items() if there)}",
             code="condition",
-            remedy="solve(shape, equation, conditions) answers what is not homogeneous",
+            remedy="give conditions with 0; solve(shape, equation, conditions) answers what is not homogeneous",
         )

@@ -62,6 +62,7 @@ class StatedProblem:
         tolerance: float | None = None,
         letters: Mapping[Any, Any] | None = None,
         axis: Any = None,
+        poisson: float | None = None,
         progress: Progress | None = None,
     ) -> Solution:
         """The solution; parameters, errors and warnings as in `solve`.
@@ -84,6 +85,7 @@ class StatedProblem:
             tolerance=tolerance,
             letters=letters,
             axis=axis,
+            poisson=poisson,
             progress=progress,
         )
 

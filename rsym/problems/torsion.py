@@ -154,6 +154,8 @@ def _problem(shape: Shape) -> Problem:
     """Prandtl's problem, a level for each hole."""
     loops = loops_of(shape)
     outer, inner = [loop for loop in loops if not loop.hole], [loop.leaves for loop in loops if loop.hole]
+    if not outer:
+        raise RsymError("the section has nothing inside", code="empty", remedy="change the letters, or the bounds")
     if len(outer) != 1:
         raise RsymError(
             f"the section has {len(outer)} outer boundaries", code="pieces", remedy="give one piece at a time"

@@ -95,16 +95,18 @@ def significant(*values: float, digits: int = DIGITS) -> float:
     return 0.5 * 10.0 ** (math.floor(math.log10(largest)) + 1 - digits) if largest > 0 else 0.0
 
 
-def point(coordinates: Iterable[float], digits: int = DIGITS) -> str:
-    """A point; what is nothing beside its largest coordinate is 0.
+def point(coordinates: Iterable[float], digits: int = DIGITS, scale: float = 0.0) -> str:
+    """A point; what is nothing beside its largest coordinate, or a scale, is 0.
 
     Examples
     --------
     >>> point((1.0, -0.5, 1 / 3)), point((1e-40, 0.0, 0.2)), point((1 / 3, 0, 0), 4), point(())
     ('(1, -0.5, 0.333333333333)', '(0, 0, 0.2)', '(0.3333, 0, 0)', '')
+    >>> point((7e-11, -4e-10), 4, scale=1.0)
+    '(0, 0)'
     """
     ends = [float(end) for end in coordinates]
-    nothing = significant(*ends, digits=min(DIGITS, digits + NOISE))
+    nothing = significant(*ends, scale, digits=min(DIGITS, digits + NOISE))
     shown = ", ".join(number(0.0 if abs(end) <= nothing else end, digits) for end in ends)
     return f"({shown})" if ends else ""
 

@@ -182,6 +182,8 @@ def test_a_measure(ring, capsys):
         (["--equation", "-laplacian(u) = 1", "--on", "rim"], "PART=CONDITION"),
         (["--equation", "-laplacian(u) = 1", "--on", "rim=robbin(2, 1)"], "robbin"),
         (["--equation", "-laplacian(u) = 1"], "nothing fixes"),
+        (["--equation", "bilaplacian(u) = 1", "--on", "rim=clamped()"], "Poisson's ratio matters"),
+        (["--equation", "bilaplacian(u) = 1", "--on", "rim=clamped()", "--poisson", "7"], "from -1 to 1"),
         (["--equation", "-laplacian(u) = 1", "--on", "rim=__import__('os')"], "--on"),
         (["--equation", "-laplacian(u) = 1", "--on", "rim=0", "--degree", "9"], "degree"),
         (["--equation", "-laplacian(u) = 1", "--on", "rim=0", "-o", "field.doc"], "a picture is written as"),

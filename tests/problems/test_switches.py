@@ -146,6 +146,21 @@ def test_conditions_that_change_on_an_arc():
     assert np.abs(found.jets(np.stack([np.cos(angles), np.sin(angles)], axis=1), 0)).max() < 1e-13
 
 
+def test_a_part_whose_condition_changes_meets_another_with_values():
+    """The real part of the root of z: its energy about the corner (-1, 0) is finite, and so is that of the lift."""
+    exact = sp.sqrt((sp.sqrt(x**2 + y**2) + x) / 2)
+    conditions = {
+        "low": rsym.switched(LEFT, 0, rsym.neumann()),
+        "left": exact,
+        "right": rsym.neumann(sp.diff(exact, x)),
+        "top": rsym.neumann(sp.diff(exact, y)),
+    }
+    found = rsym.solve(BOX, "-laplacian(u) = 0", conditions, cells=16)
+    z = np.array([0.3 + 0.4j, -0.5 + 0.5j, 0.9 + 0.1j, -0.8 + 0.05j, -0.95 + 0.02j])
+    assert np.abs(found(z.real, z.imag) - np.sqrt(z).real).max() < 5e-4
+    assert found.flux("left") == pytest.approx(-0.0986841134678, abs=0.03)  # integrals of slopes near a corner
+
+
 def test_two_places_on_one_edge_with_letters():
     """u = 0 between both, which letters move; the solution is even."""
     a = sp.Symbol("a", real=True)

@@ -40,6 +40,17 @@ def test_confocal_ellipses_are_exact():
     assert abs(float(rsym.torsion(tube, cells=20, degree=5)) / exact - 1) < 1e-6
 
 
+def test_six_holes_of_a_shaft():
+    """By symmetry they have one level, and of 2 all over the rim's disc the flux is 2 pi 3^2; stresses are bounded."""
+    shaft = rsym.disc(3).named("rim")
+    for k in range(6):
+        shaft = shaft - rsym.disc(sp.Rational(9, 20), (2 * sp.cos(k * sp.pi / 3), 2 * sp.sin(k * sp.pi / 3)))
+    found = rsym.torsion(shaft, cells=16)
+    assert np.ptp(found.levels) < 1e-3 * found.levels[0]
+    assert abs(found.solution.flux("rim") / (-18 * math.pi) - 1) < 1e-2
+    assert 1 < found.greatest_stress().value < 6
+
+
 def test_letters_compile_nothing(monkeypatch):
     d = sp.Symbol("d", real=True)
     shaft = rsym.torsion(rsym.disc(1) - rsym.disc(d, letters={d: 0.5}), cells=16)

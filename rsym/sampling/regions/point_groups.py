@@ -13,19 +13,18 @@ def by_number(numbers: Shorts | Ints) -> tuple[Ints, Ints, Ints, Ints, Ints]:
 
     And which points those are that count.
     """
-    order = _order(numbers)
-    ordered = numbers[order]
-    nothing = np.searchsorted(ordered, 0)
-    order, ordered = order[nothing:], ordered[nothing:]
-    new = np.ones(len(order), np.bool_)
-    np.not_equal(ordered[1:], ordered[:-1], out=new[1:])
-    first = np.flatnonzero(new)
-    which, count = ordered[first], np.diff(first, append=len(order))
-    room = -(-count // LANES) * LANES
-    begin = np.concatenate([[0], np.cumsum(room)])
-    source = np.arange(begin[-1]) - np.repeat(begin[:-1] - first, room)
-    last = np.repeat(first + count - 1, room)
-    return which.astype(np.int64), begin, order[np.minimum(source, last)], np.flatnonzero(source <= last), order
+    order = _order(numbers)[np.count_nonzero(numbers < 0) :]
+    ordered, new = numbers[order], np.ones(len(order) + 1, np.bool_)
+    np.not_equal(ordered[1:], ordered[:-1], out=new[1:-1])
+    edges = np.flatnonzero(new) if len(order) else np.zeros(1, np.int64)
+    first, count = edges[:-1], edges[1:] - edges[:-1]
+    room, begin = -(-count // LANES) * LANES, np.zeros(len(edges), np.int64)
+    np.cumsum(room, out=begin[1:])
+    places = np.arange(len(order))
+    places += np.repeat(begin[:-1] - first, count)
+    padded = np.repeat(order[edges[1:] - 1], room)
+    padded[places] = order
+    return ordered[first].astype(np.int64), begin, padded, places, order
 
 
 def _order(numbers: Shorts | Ints) -> Ints:

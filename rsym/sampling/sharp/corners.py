@@ -206,10 +206,10 @@ def on_active_leaf(kernels: MesherKernels, start: Floats, lattice: Floats, pool:
     """
     points = _slid(kernels, start, pool)
     for again in (_from_beside, _on_all_active):
-        stuck = np.flatnonzero(~_is_zero(kernels, points, lattice))
+        stuck = np.flatnonzero(~_is_zero(kernels, points, lattice, pool))
         if len(stuck):
             other = again(kernels, start[:, stuck], points[:, stuck], lattice, pool)
-            good = _is_zero(kernels, other, lattice)
+            good = _is_zero(kernels, other, lattice, pool)
             good &= (np.abs(other - start[:, stuck]) <= REACH * lattice[3:].max()).all(axis=0)
             points[:, stuck[good]] = other[:, good]
     return points
@@ -239,12 +239,11 @@ def _on_all_active(
     return solve(kernels, leaves, points, lattice, pool)
 
 
-def _is_zero(kernels: MesherKernels, points: Floats, lattice: Floats) -> Flags:
+def _is_zero(kernels: MesherKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Flags:
     """Whether the form is zero, to rounding: also on kinks. Leaves have gradients of length 1 or so."""
-    count = points.shape[1]
-    places, value = np.zeros((3, padded(count))), np.empty(padded(count))
-    places[:, :count] = points
-    kernels.value(count, places, value, np.empty(padded(count), np.int16))
+    count, places = points.shape[1], columns(points)
+    value, leaf = np.empty(places.shape[1]), np.empty(places.shape[1], np.int16)
+    in_threads(lambda a, b: kernels.value(b - a, places, value, leaf, first=a), count, kernels.grain, pool)
     return np.asarray(np.abs(value[:count]) < smallest(lattice))
 
 

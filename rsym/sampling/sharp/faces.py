@@ -267,8 +267,7 @@ class Adjacency:
 
     def __init__(self, faces: Faces, vertices: int, rim: Flags | None = None) -> None:
         self._faces, self._rim = faces, rim
-        self._start, self._quads = np.zeros(vertices + 2, np.int32), np.empty(2 * len(faces), np.int32)
-        _list_quads(faces, self._start, self._quads)
+        self._start, self._quads = quads_of_vertices(faces, vertices)
 
     def around(self, quads: Ints, rings: int) -> tuple[Ints, Marks]:
         """The quads within some rings around others, and marks for the vertices all of whose quads are among them."""
@@ -284,6 +283,13 @@ class Adjacency:
             near[self._quads[place]] = True
             quads = np.flatnonzero(near)
         return quads, inner
+
+
+def quads_of_vertices(faces: Faces, count: int) -> tuple[Faces, Faces]:
+    """The quads of each vertex, ascending: where they begin in a list, and the list."""
+    start, quads = np.zeros(count + 2, np.int32), np.empty(2 * len(faces), np.int32)
+    _list_quads(faces, start, quads)
+    return start, quads
 
 
 @loop

@@ -61,13 +61,6 @@ def renumber(faces: Faces, number: Faces) -> None:
             faces[f, k] = number[faces[f, k]]
 
 
-@loop
-def _rows(first: int, last: int, points: Floats, vertices: Floats) -> None:
-    for v in range(first, last):
-        for axis in range(3):
-            vertices[v, axis] = points[axis, v]
-
-
 @dataclass(frozen=True)
 class Reworked:
     """The triangles without flaws, before vertices that no face has are left out.
@@ -107,7 +100,7 @@ def rework(
         moved = untangle(kernels, adjacency, tangled, leaf, points, faces, lattice, pool)
         suspects.reshape(-1, 2)[moved] = True
     vertices = np.empty((count, 3))
-    in_threads(lambda a, b: _rows(a, b, points, vertices), count, GRAIN, pool)
+    in_threads(lambda a, b: np.copyto(vertices[a:b], points[:, a:b].T), count, GRAIN, pool)
     made = Reworked(vertices, faces, np.repeat(leaf[: len(flaws)], 2))
     if adjacency is not None:
         made, suspects = _edited(made, adjacency, flawed, points[:, :count], suspects, lattice)

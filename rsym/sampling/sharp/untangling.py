@@ -19,9 +19,9 @@ from rsym.arrays import Faces, Flags, Floats, Ints, Shorts
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.sharp.corners import off_surface, on_surface, solve
 from rsym.sampling.sharp.crossings import evaluate
-from rsym.sampling.sharp.faces import FOLDED, Adjacency, find_flaws, turn_diagonals
+from rsym.sampling.sharp.faces import FOLDED, Adjacency, find_flaws, quads_of_vertices, turn_diagonals
 from rsym.sampling.sharp.loops import loop, step
-from rsym.sampling.triangles import pieces
+from rsym.sampling.triangles import following, pieces
 
 RINGS = 3
 # One does it where leaves are planes; curved ones take two or three.
@@ -30,8 +30,9 @@ ROUNDS = 6
 # what they were, and the two others come closer to their volumes. With one, a fold more is left on a car.
 PATIENCE = 2
 PULLS = 3
-# Quads of a group of clusters at least: handing out fewer takes longer than a thread more saves.
-GROUP = 400000
+# Clusters are put into so many groups, each for a thread, where these have so many quads at least: a call for fewer
+# takes longer than it saves, and more groups make more calls.
+GROUPS, GROUP = 2, 1000
 # Steps of half again their length halve what is missing across a patch of eight vertices, and between two copies of a
 # corner, where it counts, they leave nothing. What else is missing is made good by rounds.
 FURTHER, SWEEPS = 1.5, 80
@@ -102,6 +103,7 @@ class _Patch:
         vertex, met = np.nonzero(self.meets & (self.several <= 2)[:, None])
         self.leaves[(np.diff(vertex, prepend=-1) == 0).astype(np.intp), vertex] = names[met]
         self.movable = (inner[self.ids] > 0) & (self.several <= 2)
+        self.start, self.at = quads_of_vertices(self.faces, count)
         self.cluster = pieces(self.faces, count)
         self.of_quad = self.cluster[self.faces[::2, 0]]
         self.stale, self.folded = np.ones(len(quads), np.bool_), np.zeros(len(quads), np.bool_)
@@ -114,13 +116,14 @@ class _Patch:
 
         Those on a seam of leaves have neighbours along it; corners stay.
         """
-        waited, groups = 0, self._groups()
+        groups, waited = self._groups(), 0
         for _ in range(ROUNDS):
             list(map(self._round, groups) if pool is None or len(groups) < 2 else pool.map(self._round, groups))
             waited = 0 if self._keep_better() else waited + 1
-            if waited == PATIENCE or not self.fewest.any():
+            goes_on = (self.fewest > 0)[self.of_quad]
+            groups = [quads for quads in (quads[goes_on[quads]] for quads in groups) if len(quads)]
+            if waited == PATIENCE or not groups:
                 break
-            groups = [quads[self.fewest[self.of_quad[quads]] > 0] for quads in groups]
 
     def pull(self, to_corners: bool) -> None:
         """The vertices of folded triangles to the nearest seam beside them, or those on seams to the nearest corner."""
@@ -156,7 +159,7 @@ class _Patch:
         """The quads of clusters, put together in groups of about one size."""
         size = np.bincount(self.of_quad)
         load, group = (
-            np.zeros(max(1, min(len(size), len(self.quads) // GROUP)), np.int64),
+            np.zeros(max(1, min(len(size), GROUPS, len(self.quads) // GROUP)), np.int64),
             np.empty(len(size), np.int64),
         )
         for cluster in np.argsort(-size, kind="stable").tolist():
@@ -182,15 +185,12 @@ class _Patch:
 
     def _amid(self, quads: Ints) -> tuple[Ints, Floats]:
         """Vertices that have neighbours to follow, and places (3, m) amid these; all others are where they are."""
-        count, halves = len(self.ids), 6 * len(quads)
-        which, start, neighbour = np.empty(count, np.int64), np.zeros(count + 1, np.int64), np.empty(halves, np.int32)
-        begin, at, places = (
-            np.zeros(count + 2, np.int64),
-            np.empty(halves, np.int64),
-            np.ascontiguousarray(self.points.T),
-        )
-        mesh = (quads, self.faces, self.leaf, self.movable, self.several)
-        which = which[: _amid(*mesh, begin, at, which, start, neighbour, places)]
+        count, movable = len(self.ids), np.zeros(len(self.ids), np.bool_)
+        movable[self._corners(FOUR, quads)] = True
+        which, start = np.empty(count, np.uint32), np.zeros(count + 1, np.int64)
+        neighbour, places = np.empty(6 * len(quads), np.uint32), np.ascontiguousarray(self.points.T)
+        mesh = (self.start, self.at, self.faces.ravel(), self.leaf, movable & self.movable, self.several)
+        which = which[: _amid(*mesh, which, start, neighbour, places)]
         return which, places[which].T
 
     def _move(self, which: Ints, leaves: Shorts, start: Floats) -> Ints:
@@ -242,43 +242,34 @@ class _Patch:
 
 @loop
 def _amid(
-    quads: Ints,
-    faces: Faces,
+    first: Faces,
+    at: Faces,
+    corners: Faces,
     leaf: Shorts,
     movable: Flags,
     several: Ints,
-    begin: Ints,
-    at: Ints,
     which: Ints,
     start: Ints,
-    neighbour: Faces,
+    neighbour: Ints,
     places: Floats,
 ) -> int:
     """Vertices amid their neighbours, along seams if they are on one: how many have such; the rest is filled.
 
-    The `neighbour`s of vertex ``which[w]`` stand at ``start[w]`` and on, the half-edges 4*face + k from vertex v `at`
-    ``begin[v]`` and on. Successive over-relaxation: one vertex after the other to the middle, and beyond.
+    The quads of vertex v stand `at` ``first[v]`` and on; the `neighbour`s of vertex ``which[w]`` at
+    ``start[w]`` and on. Successive over-relaxation: one vertex after the other to the middle, and beyond.
     """
-    for q in range(len(quads)):
-        for f in (2 * quads[q], 2 * quads[q] + 1):
-            for k in range(3):
-                begin[faces[f, k] + 2] += 1
-    for v in range(2, len(begin)):
-        begin[v] += begin[v - 1]
-    for q in range(len(quads)):
-        for f in (2 * quads[q], 2 * quads[q] + 1):
-            for k in range(3):
-                v = faces[f, k] + 1
-                at[begin[v]] = 4 * f + k
-                begin[v] += 1
     count, filled = 0, 0
     for v in range(len(movable)):
         if not movable[v]:
             continue
-        for i in range(begin[v], begin[v + 1]):
-            if several[v] == 1 or _is_on_seam(faces, leaf, at, begin[v], begin[v + 1], at[i]):
-                neighbour[filled] = faces[at[i] >> 2, (at[i] & 3) - 2]
-                filled += 1
+        for i in range(first[v], first[v + 1]):
+            for half in range(6 * at[i], 6 * at[i] + 6):
+                if corners[half] != v:
+                    continue
+                head = corners[following(half)]
+                if several[v] == 1 or (several[head] > 1 and _is_seam(first, at, corners, leaf, v, head, at[i])):
+                    neighbour[filled] = head
+                    filled += 1
         if filled - start[count] >= 2:
             which[count] = v
             count += 1
@@ -308,13 +299,14 @@ def _amid(
 
 
 @step
-def _is_on_seam(faces: Faces, leaf: Shorts, at: Ints, first: int, last: int, half: int) -> bool:
-    """Whether a half-edge has one mate, of another leaf; both are among the faces of its first vertex."""
-    head, along, against, mate = faces[half >> 2, (half & 3) - 2], 0, 0, 0
-    for i in range(first, last):
-        f, k = at[i] >> 2, at[i] & 3
-        along += faces[f, k - 2] == head
-        if faces[f, k - 1] == head:
-            against += 1
-            mate = f
-    return along == 1 and against == 1 and leaf[mate >> 1] != leaf[half >> 3]
+def _is_seam(first: Faces, at: Faces, corners: Faces, leaf: Shorts, v: int, head: int, quad: int) -> bool:
+    """Whether a half-edge from v in a quad has one mate, and that is of another leaf."""
+    along, against, mate = 0, 0, 0
+    for i in range(first[v], first[v + 1]):
+        for half in range(6 * at[i], 6 * at[i] + 6):
+            if corners[half] == v:
+                along += corners[following(half)] == head
+            elif corners[half] == head and corners[following(half)] == v:
+                against += 1
+                mate = at[i]
+    return along == 1 and against == 1 and leaf[mate] != leaf[quad]
