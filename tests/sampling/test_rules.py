@@ -141,8 +141,9 @@ def test_the_last_pieces_at_a_cusp_hold_no_more_boundary_than_their_sides():
     """A deltoid: where its gradient is nearly 0 a piece of a side of 1e-13 held a length of 46."""
     square = x**2 + y**2
     deltoid = plane(27 - square**2 - 18 * square + 8 * (x**3 - 3 * x * y**2), bounds=((-4, 4), (-4, 4)))
-    found = rsym.measure(deltoid)
-    assert abs(found.boundary - 16) < found.boundary.error < 0.4
+    with pytest.warns(rsym.RsymWarning, match="not resolved where its boundary has cusps"):
+        found = rsym.measure(deltoid)
+    assert abs(found.boundary - 16) < found.boundary.error < 2
     assert abs(found.content - 2 * math.pi) < found.content.error
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.columns import CellRule, Columns, gauss_on
+from rsym.sampling.rules.columns import CellRule, Columns, Unresolved, gauss_on
 from rsym.sampling.rules.curves import EndCurves, Gaps, along, coincide, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
@@ -21,17 +21,20 @@ from rsym.sampling.rules.segments import Segments
 from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST, SAME
 
 NARROW = 16.0  # roots of tolerances: where two leaves touch, closer than rounding, a segment is no wider
+ROUNDED = 0.125  # of tolerances: a place is that unsharp
 BOTH = 5.0  # of the base: two leaves that climb no steeper than 2
 
 
-def plane_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, float]:
-    """The rule on plane pieces with a height, and the measure of where leaves touch and lose both their lengths.
+def plane_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, Unresolved]:
+    """The rule on plane pieces with a height, and what is not resolved: pieces, and where leaves touch.
 
     orders : (pieces,), the points along each direction.
     """
     ends = np.stack([pieces.lower, pieces.upper], axis=1)
     bases = _Bases(Columns.of(functions, pieces), along(ends, 1 - pieces.axis))
-    return bases.rule(bases.segments(), orders)
+    segments, lost = bases.segments()
+    rule, unresolved = bases.rule(segments, orders)
+    return rule, unresolved + Unresolved(boundary=lost)
 
 
 @dataclass(frozen=True)
@@ -41,16 +44,16 @@ class _Bases:
     columns: Columns
     base: Floats
 
-    def segments(self) -> Segments:
-        """The parts of the bases between breaks."""
+    def segments(self) -> tuple[Segments, float]:
+        """The parts of the bases between breaks, and a bound of the length of boundary between breaks that are one."""
         count = len(self.columns.pieces)
         piece, place, stands = self._ends()
         all_pieces = np.concatenate([np.arange(count), np.arange(count), piece])
         all_places = np.concatenate([self.base[0], self.base[1], place])
-        rough = self._parted(all_pieces, all_places)
-        crossing = self._crossings(*rough)
-        rough = self._parted(np.concatenate([all_pieces, crossing[0]]), np.concatenate([all_places, crossing[1]]))
-        return Segments.of(*rough, piece[stands], place[stands])
+        rough, _ = self._parted(all_pieces, all_places)
+        *crossing, unsharp = self._crossings(*rough)
+        rough, lost = self._parted(np.concatenate([all_pieces, crossing[0]]), np.concatenate([all_places, crossing[1]]))
+        return Segments.of(*rough, piece[stands], place[stands]), lost + unsharp
 
     def _ends(self) -> tuple[Ints, Floats, Flags]:
         """Where leaves meet the ends of their piece: piece, place, and whether the leaf stands upright."""
@@ -70,24 +73,42 @@ class _Bases:
         places = np.concatenate([roots(curves, brackets), middle])
         return piece[found], places, self.columns.upright[which[found]]
 
-    def _parted(self, piece: Ints, place: Floats) -> tuple[Ints, Floats, Floats]:
-        """CutPieces cut at places: piece, lower and upper end of each part."""
+    def _parted(self, piece: Ints, place: Floats) -> tuple[tuple[Ints, Floats, Floats], float]:
+        """CutPieces cut at places: piece, lower and upper end of each part; the length that leaves have between."""
         order = np.lexsort((place, piece))
         piece, place = piece[order], place[order]
         # A break next to the one before is the same; the last one of a piece is its end.
         wide = place[1:] - place[:-1] > SAME * self.columns.functions.tolerance
-        part = np.flatnonzero((piece[1:] == piece[:-1]) & wide)
-        return piece[part], place[part], place[part + 1]
+        same = piece[1:] == piece[:-1]
+        part, left = np.flatnonzero(same & wide), np.flatnonzero(same & ~wide & (place[1:] > place[:-1]))
+        return (piece[part], place[part], place[part + 1]), self._length(piece[left], (place[1:] - place[:-1])[left])
 
-    def _crossings(self, piece: Ints, lower: Floats, upper: Floats) -> tuple[Ints, Floats]:
-        """Where two leaves meet inside of parts."""
+    def _length(self, piece: Ints, width: Floats) -> float:
+        """The most that leaves may climb over so much of the bases of pieces: much next to a cusp."""
+        pieces, tall = self.columns.pieces, self.columns.height[1] - self.columns.height[0]
+        line, pair = self.columns.pairs(piece)
+        rises = ~self.columns.upright[pair]
+        line, pair = line[rises], pair[rises]
+        gradient, axis = pieces.gradient[:, :, pair], pieces.axis[piece[line]]
+        low, high = along(gradient, axis)
+        flattest, across = np.maximum(low, -high), np.abs(along(gradient, 1 - axis)).max(axis=0)
+        with np.errstate(all="ignore"):
+            climbs = np.where(flattest > 0, across / flattest * width[line], np.inf)
+        # Twice: next to a cusp there are two branches.
+        return float(2 * np.minimum(climbs, tall[piece[line]]).sum())
+
+    def _crossings(self, piece: Ints, lower: Floats, upper: Floats) -> tuple[Ints, Floats, float]:
+        """Where two leaves meet inside of parts: piece and place, and how much length rounding may take or give there.
+
+        The flatter two leaves cross the less it is known where.
+        """
         pieces, functions = self.columns.pieces, self.columns.functions
         part, pair = self.columns.pairs(piece)
         rises = ~self.columns.upright[pair]
         several = np.bincount(part[rises], minlength=len(piece))[part] > 1
         part, pair = part[rises & several], pair[rises & several]
         if not len(part):
-            return np.empty(0, np.int64), np.empty(0)
+            return np.empty(0, np.int64), np.empty(0), 0.0
         own = piece[part]
         middle = (lower / 2 + upper / 2)[part]
         ends = [
@@ -108,7 +129,7 @@ class _Bases:
         two = ~coincide(functions, leaves, pieces.axis[own], self.columns.height[:, own], ends_of_bases)
         first, second, own, leaves = first[two], second[two], own[two], leaves[:, two]
         if not len(first):
-            return np.empty(0, np.int64), np.empty(0)
+            return np.empty(0, np.int64), np.empty(0), 0.0
         axis = pieces.axis[own]
         curves = Gaps(functions, leaves, axis, self.columns.height[0, own], self.columns.height[1, own])
         least, most = gap_bounds(pieces.gradient[:, :, pair[first]], pieces.gradient[:, :, pair[second]], axis)
@@ -118,9 +139,15 @@ class _Bases:
         above, _ = curves.evaluate(every, right)
         brackets, double, middles = isolate(curves, left, right, below, above, least, most)
         found = np.concatenate([brackets.which, double])
-        return own[found], np.concatenate([meetings(curves, brackets), middles])
+        places = np.concatenate([meetings(curves, brackets), middles])
+        unsharp = 0.0
+        if functions.gates is not None:
+            _, slopes = curves.evaluate(found, places)
+            with np.errstate(divide="ignore"):
+                unsharp = np.fmin(ROUNDED * functions.tolerance / np.abs(slopes), np.sqrt(functions.tolerance)).sum()
+        return own[found], places, float(unsharp)
 
-    def rule(self, segments: Segments, orders: Ints) -> tuple[CellRule, float]:
+    def rule(self, segments: Segments, orders: Ints) -> tuple[CellRule, Unresolved]:
         """The points on lines across segments, and on upright leaves."""
         which, x, w = gauss_on(orders[segments.piece])
         width = segments.upper - segments.lower
@@ -135,19 +162,31 @@ class _Bases:
             along_walls = replace(parts, leaf=leaf[parts.line])
         else:
             along_walls = walls.walked_upright(kind, *self._sides(segments), weight)
-        rule = self.columns.rule(lines, w * width[which], walls, along_walls, orders)
-        return rule, self._touching(lines, width, which)
+        rule, unresolved = self.columns.rule(lines, w * width[which], walls, along_walls, orders)
+        touching = self._touching(lines, width, which)
+        return rule, unresolved + Unresolved(touching**2, touching)
 
     def _touching(self, lines: Lines, width: Floats, which: Ints) -> float:
-        """The square of a bound of the lengths of both leaves over segments in which crossings are taken for one."""
-        tolerance = self.columns.functions.tolerance
-        crossing = (lines.below > 0) != (lines.above > 0)
+        """A bound of the lengths of both leaves over segments in which crossings are taken for one."""
+        functions, pieces = self.columns.functions, self.columns.pieces
         line = np.repeat(np.arange(len(which)), np.diff(lines.begin))
-        some = np.flatnonzero(crossing & (width <= NARROW * np.sqrt(tolerance))[which[line]])
+        some = np.flatnonzero((lines.below > 0) != (lines.above > 0))
         some = some[np.lexsort((lines.root[some], line[some]))]
         one, other = some[:-1], some[1:]
-        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= SAME * tolerance)
-        return float(BOTH * width[np.unique(which[line[one[touching]]])].sum()) ** 2
+        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= SAME * functions.tolerance)
+        one, other = one[touching], other[touching]
+        # Wider segments may be of leaves that have one surface, as they may be of such that touch so closely.
+        wide = np.flatnonzero(width[which[line[one]]] > NARROW * np.sqrt(functions.tolerance))
+        if len(wide):
+            pair = np.sort(lines.leaf[np.stack([one[wide], other[wide]])], axis=0)
+            (own, *leaves), back = np.unique(
+                np.stack([lines.piece[line[one[wide]]], *pair]), axis=1, return_inverse=True
+            )
+            ends = pieces.axis[own], self.columns.height[:, own], self.base[:, own]
+            same = coincide(functions, np.stack(leaves), *ends)[back.ravel()]
+            one = np.delete(one, wide[same])
+        share = np.bincount(which[np.unique(line[one])], minlength=len(width)) / np.maximum(np.bincount(which), 1)
+        return float(BOTH * width @ np.minimum(2 * share, 1))
 
     def _walls(self, segments: Segments, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:
         """Lines on which a wall stands, and a leaf that is it; at an end of the piece it is positive within."""

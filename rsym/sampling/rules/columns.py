@@ -53,6 +53,17 @@ class CellRule:
     edge_owner: Ints
 
 
+@dataclass(frozen=True)
+class Unresolved:
+    """How much of the measures of inside and of boundary a rule may be wrong by, where nothing is proved."""
+
+    content: float = 0.0
+    boundary: float = 0.0
+
+    def __add__(self, other: Unresolved) -> Unresolved:
+        return Unresolved(self.content + other.content, self.boundary + other.boundary)
+
+
 def rules_joined(rules: Sequence[CellRule]) -> CellRule:
     """Rules as one, one after the other."""
     if len(rules) == 1:
@@ -99,6 +110,12 @@ def tensor_rule(lower: Floats, upper: Floats, owner: Ints, order: int) -> CellRu
     return CellRule(points, weights, np.repeat(owner, len(weight)), *none)
 
 
+def _faces(sides: Floats) -> Floats:
+    """The measure of a side across each axis, together, of boxes with sides (dim, n)."""
+    others = [np.prod(np.delete(sides, axis, axis=0), axis=0) for axis in range(len(sides))]
+    return np.sum(others, axis=0)
+
+
 @dataclass(frozen=True)
 class Columns:
     """Pieces with the ends (2, n) of their heights, and which (m,) of the leaves that matter in them stand upright."""
@@ -135,8 +152,13 @@ class Columns:
         counts = np.diff(self.pieces.start)[piece]
         return np.repeat(np.arange(len(piece)), counts), span(self.pieces.start[:-1][piece], counts)
 
-    def rule(self, lines: Lines, weight: Floats, walls: Lines, along_walls: Panels, orders: Ints) -> CellRule:
-        """The rule on lines of such weights, and on intervals of the lines on upright leaves; orders of all pieces."""
+    def rule(
+        self, lines: Lines, weight: Floats, walls: Lines, along_walls: Panels, orders: Ints
+    ) -> tuple[CellRule, Unresolved]:
+        """The rule on lines of such weights, and on intervals of the lines on upright leaves; orders of all pieces.
+
+        In pieces that are not proved to have a height all may be wrong: what they hold, and the boundary found there.
+        """
         panels, edges = lines.walked(weight, self.pieces.signs[lines.piece])
         points, weights, owner, _ = self._spread(lines, panels, orders)
         wall_points, wall_weights, wall_owner, wall_leaf = self._spread(walls, along_walls, orders)
@@ -145,12 +167,17 @@ class Columns:
         _, gradient = self.functions.evaluate(np.where(leaf < 0, ~leaf, leaf), edge_points)
         with np.errstate(all="ignore"):
             longer = np.sqrt((gradient**2).sum(axis=0)) / np.abs(along(gradient, self.pieces.axis[own]))
-        # At a node or cusp the last pieces, as small as they become, hold boundary with hardly a slope, or without.
-        proved, size = self.pieces.proved[own], np.max(self.pieces.upper - self.pieces.lower, axis=0)[own]
+        # At a node or cusp the last pieces, as small as they become, hold boundary with hardly a slope, or without: not
+        # more than their sides, as leaves rise or fall there.
+        proved, sides = self.pieces.proved[own], (self.pieces.upper - self.pieces.lower)[:, own]
         kept = np.isfinite(longer) | proved
+        most = np.where(proved, _faces(sides), sides.max(axis=0, initial=0.0) ** (len(edge_points) - 1))
         share = edges.weight * longer
-        share = np.where(proved, share, np.minimum(share, size ** (len(edge_points) - 1)))
-        return CellRule(
+        unsure = ~proved | ~(share <= most)
+        share = np.fmin(share, most)
+        wide = np.prod(self.pieces.upper - self.pieces.lower, axis=0)[~self.pieces.proved]
+        unresolved = Unresolved(float(wide.sum()), float(share[kept & unsure].sum()))
+        made = CellRule(
             points,
             weights,
             owner,
@@ -159,6 +186,7 @@ class Columns:
             np.concatenate([leaf[kept], wall_leaf]),
             np.concatenate([self.pieces.owner[own[kept]], wall_owner]),
         )
+        return made, unresolved
 
     def _spread(self, lines: Lines, panels: Panels, orders: Ints) -> tuple[Floats, Floats, Ints, Ints]:
         """Points, weights, cells and leaves of a Gauss rule on intervals of lines."""

@@ -21,7 +21,6 @@ INSIDE, OPEN, OUTSIDE = 1, 0, -1
 # this factor at most in the cell.
 STEEP, EVEN = 3.0, 1.3
 FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a steep one
-MOST = 64  # parts of a cell left open at a level
 GRADED = 28  # levels of division towards a given point
 SMALL = 40.0  # binary digits: cells nearer to a point than so small a share of an integral are not divided
 SLOPE = 0.25  # points of a rule less, from a cell to one of half the side, where integrals fall with its side
@@ -250,7 +249,8 @@ class Divided:
 class Limits:
     """How far cells are divided.
 
-    usual, deepest : so many levels where much is left open, as along a curve on which gradients vanish, and little.
+    usual, deepest : so many levels where more than `most` parts of a cell are left open at one, as along a curve on
+        which gradients vanish, and where fewer are.
     uneven : by this factor the slope of a leaf along the height may change in a cell. On a torus 2 takes twice the
         points of 3 and gains two digits; in the plane it takes a tenth more.
     steepest : a leaf that climbs more than so many times as fast over an axis across has lengths that are differences
@@ -260,6 +260,7 @@ class Limits:
     usual: int
     deepest: int
     uneven: float
+    most: int
     steepest: float = np.inf
 
 
@@ -292,7 +293,7 @@ def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: 
         pieces = replace(pieces, axis=axis, proved=proved)
         going = ~proved & ~towards
         crowd = np.bincount(pieces.owner[going], minlength=1) if going.any() else np.zeros(1, np.int64)
-        last = (level >= limits.usual) & (crowd[np.minimum(pieces.owner, len(crowd) - 1)] > MOST) | (
+        last = (level >= limits.usual) & (crowd[np.minimum(pieces.owner, len(crowd) - 1)] > limits.most) | (
             level >= limits.deepest
         )
         done = (proved | last) & ~towards

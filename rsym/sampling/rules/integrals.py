@@ -17,7 +17,7 @@ from rsym.model.shape import Shape
 from rsym.reports.numbers import point
 from rsym.sampling.rules.portions import RulePortion
 from rsym.sampling.rules.quadrature import ORDER, prepared
-from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
+from rsym.sampling.rules.refinement import Integral, Sums, boundary_rounding, refined
 
 INSIDE, BOUNDARY = "inside", "boundary"
 
@@ -89,20 +89,18 @@ def integrate(
     leaves = _leaves(over, made.parts)[made.owner]
     function = _function(f, shape, letters)
 
-    def quantities(portion: RulePortion) -> tuple[Floats, Floats]:
-        rule, lost = portion.rule, portion.unresolved
+    def quantities(portion: RulePortion) -> Sums:
+        rule, lost = portion.rule, portion.unresolved.content
+        rounding = made.resolution * rule.edge_weights.sum()
         if over == INSIDE:
             points, weights = rule.points, rule.weights
         else:
-            some = leaves[rule.edge_leaf]
-            points, weights, lost = (
-                rule.edge_points[:, some],
-                rule.edge_weights[some],
-                lost ** (1 - 1 / len(rule.points)),
-            )
+            some, lost = leaves[rule.edge_leaf], portion.unresolved.boundary
+            points, weights = rule.edge_points[:, some], rule.edge_weights[some]
+            rounding = boundary_rounding(made, weights.sum())
         values = function(points.T)
         size = np.abs(values).max(initial=0.0)
-        return np.array([weights @ values]), np.array([weights @ np.abs(values) + lost * size / ROUNDING])
+        return Sums(*np.array([[weights @ values], [weights @ np.abs(values)], [lost * size], [rounding * size]]))
 
     found = refined(
         made,

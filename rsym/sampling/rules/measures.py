@@ -16,7 +16,7 @@ from rsym.reports.numbers import measured
 from rsym.reports.render import Report
 from rsym.sampling.rules.portions import RulePortion
 from rsym.sampling.rules.quadrature import ORDER, prepared
-from rsym.sampling.rules.refinement import ROUNDING, Integral, refined
+from rsym.sampling.rules.refinement import ROUNDING, Integral, Refined, Sums, boundary_rounding, refined
 
 WORDS = {2: ("area", "length"), 3: ("volume", "surface")}
 
@@ -166,48 +166,53 @@ def measure(
     rows = [(i, j) for i in range(dimension) for j in range(i, dimension)]
     middle = np.array([[low / 2 + high / 2] for low, high in made.box])
 
-    def quantities(portion: RulePortion) -> tuple[Floats, Floats]:
+    def quantities(portion: RulePortion) -> Sums:
         rule, lost = portion.rule, portion.unresolved
         away = rule.points - middle
         parts = np.bincount(number[rule.edge_leaf], rule.edge_weights, len(names))
         moments = [rule.weights @ (away[i] * away[j]) for i, j in rows]
         values = np.array([rule.weights.sum(), parts.sum(), *parts, *(away @ rule.weights), *moments])
         reach = float(np.abs(away).max(initial=0.0))
-        content, boundary = values[0] + lost / ROUNDING, values[1] + lost ** (1 - 1 / dimension) / ROUNDING
-        edges = [boundary] * (1 + len(names))
-        scales = [content, *edges, *[reach * content] * dimension, *[reach**2 * content] * len(rows)]
-        return values, np.array(scales)
+
+        def like(content: float, boundary: float) -> Floats:
+            edges, first, second = [boundary] * (1 + len(names)), [reach * content] * dimension, [reach**2 * content]
+            return np.array([content, *edges, *first, *second * len(rows)])
+
+        rounding = made.resolution * values[1], boundary_rounding(made, values[1])
+        return Sums(values, like(values[0], values[1]), like(lost.content, lost.boundary), like(*rounding))
 
     found = refined(made, quantities, tolerance=tolerance, cells=cells, order=order, threads=threads)
     first = 2 + len(names)
-    lengths = {name: found.integral(2 + k) for k, name in enumerate(names) if found.sums[2 + k] > 0}
-    centres, moments = zip(
-        *(_central(sums, first, rows, middle.ravel()) for sums in (found.sums, found.before)), strict=True
-    )
-    reach = ROUNDING * float(np.abs(np.array(made.box)).max())
-    pairs = dict(zip(rows, _compared(moments[0], moments[1], ROUNDING * found.scales[-1]), strict=True))
+    lengths = {name: found.integral(2 + k) for k, name in enumerate(names) if found.found.values[2 + k] > 0}
+    centre, pairs = _central(found, first, rows, middle.ravel())
     axes = range(dimension)
     return MeasureReport(
         tuple(symbol.name for symbol in shape.coordinates),
         found.integral(0),
         found.integral(1),
         lengths,
-        _compared(centres[0], centres[1], reach),
+        centre,
         tuple(tuple(pairs[min(i, j), max(i, j)] for j in axes) for i in axes),
         found.cells,
         found.order,
     )
 
 
-def _compared(values: Floats, before: Floats, slack: float) -> tuple[Integral, ...]:
-    """Values of two rules as integrals."""
-    return tuple(Integral(float(a), float(abs(a - b)) + slack) for a, b in zip(values, before, strict=True))
-
-
-def _central(sums: Floats, first: int, rows: list[tuple[int, int]], middle: Floats) -> tuple[Floats, Floats]:
+def _central(
+    found: Refined, first: int, rows: list[tuple[int, int]], middle: Floats
+) -> tuple[tuple[Integral, ...], dict[tuple[int, int], Integral]]:
     """Centroid and second moments about it, from sums about the middle of the box."""
-    content, dimension = sums[0], len(middle)
+    values, errors, dimension = found.found.values, found.errors, len(middle)
+    content, off = values[0], errors[0]
     with np.errstate(invalid="ignore", divide="ignore"):  # of nothing there is no centroid
-        away = sums[first : first + dimension] / content
-    moments = [sums[first + dimension + k] - content * away[i] * away[j] for k, (i, j) in enumerate(rows)]
-    return middle + away, np.array(moments)
+        away = values[first : first + dimension] / content
+        astray = (errors[first : first + dimension] + np.abs(away) * off) / content
+    rounded = ROUNDING * np.abs(middle)
+    centre = tuple(map(Integral, (middle + away).tolist(), (astray + rounded).tolist()))
+    second = {}
+    for k, (i, j) in enumerate(rows, first + dimension):
+        error = (
+            errors[k] + off * abs(away[i] * away[j]) + content * (abs(away[i]) * astray[j] + abs(away[j]) * astray[i])
+        )
+        second[i, j] = Integral(float(values[k] - content * away[i] * away[j]), float(error))
+    return centre, second

@@ -10,12 +10,12 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.sampling.rules.bases import plane_rule
-from rsym.sampling.rules.columns import CellRule, rules_together, tensor_rule, tensor_rules
+from rsym.sampling.rules.columns import CellRule, Unresolved, rules_together, tensor_rule, tensor_rules
 from rsym.sampling.rules.division import CutPieces, Grading, Limits, close, divide, pieces_together, undivided
 from rsym.sampling.rules.space import space_rule
 
 PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
-LIMITS = {2: Limits(6, 44, 2.0, 1e3), 3: Limits(5, 24, 3.0)}
+LIMITS = {2: Limits(6, 44, 2.0, 256, 1e3), 3: Limits(5, 24, 3.0, 64)}
 
 
 @dataclass(frozen=True)
@@ -52,11 +52,11 @@ class CellGrid:
 
 @dataclass(frozen=True)
 class RulePortion:
-    """The rule in some cells, those of them that are full, and the measure of what is not resolved."""
+    """The rule in some cells, those of them that are full, and what is not resolved."""
 
     rule: CellRule
     full: Ints
-    unresolved: float
+    unresolved: Unresolved
 
 
 def rule_portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Grading) -> RulePortion:
@@ -65,13 +65,12 @@ def rule_portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: 
     whole = undivided(lower, upper, cells, functions.count)
     found = divide(functions, whole, LIMITS[functions.dimension], near)
     rules = tensor_rules(found.lower, found.upper, found.owner, near.orders(found.lower, found.upper, grid.size, order))
-    unresolved = 0.0
+    unresolved = Unresolved()
     for pieces in _at_once(found.cut):
         orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
         rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, orders)
         rules.append(rule)
         unresolved += part
-        unresolved += float(np.prod(pieces.upper - pieces.lower, axis=0)[~pieces.proved].sum())
     rule = rules_together(rules)
     counts = np.searchsorted(rule.owner, cells, "right") - np.searchsorted(rule.owner, cells)
     content = np.bincount(np.repeat(np.arange(len(cells)), counts), rule.weights, len(cells))

@@ -226,10 +226,15 @@ class Prepared:
         met = np.zeros(math.prod(grid.counts), np.bool_)
         met[rule.owner], met[rule.edge_owner] = True, True
         touched = np.flatnonzero(met)
-        unresolved = sum(portion.unresolved for portion in made)
+        unresolved = sum(portion.unresolved.content for portion in made)
         return Quadrature(
             rule.points.T, rule.weights, rule.owner, grid, full, touched, self.parts, boundary, order, unresolved
         )
+
+    @property
+    def resolution(self) -> float:
+        """How far a point of the boundary may be off for rounding."""
+        return float(np.finfo(np.float64).eps) * max(abs(end) for pair in self.box for end in pair)
 
     def _require_finite(self, leaves: Ints, corners: tuple[Floats, Floats]) -> None:
         """Refuse one of these leaves, of which no cell knows bounds, if it has no value in the middle of any."""

@@ -14,8 +14,6 @@ from rsym.errors import warn
 from rsym.sampling.rules.portions import RulePortion
 from rsym.sampling.rules.quadrature import Prepared
 
-# What is asked of a part of a rule: sums, and the sums of the absolute values of what is added.
-Quantities: TypeAlias = Callable[[RulePortion], tuple[Floats, Floats]]
 TOLERANCE = {2: 1e-12, 3: 1e-10}
 CELLS = {2: 8, 3: 6}  # along the longest side at first
 ORDERS = 4  # points along each direction from one rule to the next
@@ -23,6 +21,7 @@ HIGHEST = 20  # beyond, cells are halved instead
 MOST_POINTS = {2: 2e6, 3: 3e7}  # some seconds
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 ROUNDING = 4 * np.finfo(np.float64).eps
+BOUNDARY = {2: 2e-14, 3: 1e-13}  # of lengths and surfaces, which hang on slopes: twice the worst of a hundred
 # Differences that fall no faster than this fall as a power of the points along a line: this one at worst,
 # as at the root of a distance to a line. By chance one may be smaller than its like by so much.
 SLOW, POWER, CHANCE = 0.03, 0.5, 0.125
@@ -57,33 +56,64 @@ class Integral(float):
 
 
 @dataclass(frozen=True)
-class Refined:
-    """Sums by two rules, the better one first, and how large they can be; cells and order of the better one.
+class Sums:
+    """Sums over a rule, how large they are without signs, and how far they may be off for what is known of a rule.
 
-    `apart`: how far the better one may be off but for rounding.
+    `unresolved`: because it may be wrong in places; `rounding`: because points of its boundary are rounded.
     """
 
-    sums: Floats
-    before: Floats
+    values: Floats
     scales: Floats
+    unresolved: Floats
+    rounding: Floats
+
+    def __add__(self, other: Sums) -> Sums:
+        return Sums(*(getattr(self, name) + getattr(other, name) for name in Sums.__dataclass_fields__))
+
+
+Quantities: TypeAlias = Callable[[RulePortion], Sums]  # what is asked of a part of a rule
+
+
+def boundary_rounding(shape: Prepared, measure: float) -> float:
+    """How far a length or surface may be off for rounding: of what there is, and of where there is none."""
+    dimension, size = shape.functions.dimension, max(high - low for low, high in shape.box)
+    return BOUNDARY[dimension] * (measure + size ** (dimension - 1))
+
+
+@dataclass(frozen=True)
+class Refined:
+    """Sums by two rules, the better one first; cells and order of the better one.
+
+    `apart`: how far the better one may be off but for rounding, and but for what is `unresolved`.
+    """
+
+    found: Sums
+    before: Floats
     cells: int
     order: int
     apart: Floats
 
     def beyond(self, tolerance: float) -> Flags:
         """Which errors are not within a tolerance, relative to the scales."""
-        return ~(self.errors <= tolerance * self.scales) | np.isinf(self.errors)
+        most = tolerance * self.found.scales + self.found.rounding
+        return ~(self.apart + self.found.unresolved <= most) | np.isinf(self.errors)
+
+    def improves(self, tolerance: float) -> Flags:
+        """Which errors are not, and are no less than what is unresolved, which is the same for any order."""
+        return self.beyond(tolerance) & ~(
+            self.apart <= np.maximum(self.found.unresolved, tolerance * self.found.scales)
+        )
 
     @property
     def errors(self) -> Floats:
         """Of the sums; infinite where one is not finite, so that no comparison takes it for small."""
         with np.errstate(invalid="ignore"):
-            apart = self.apart + ROUNDING * self.scales
+            apart = self.apart + self.found.unresolved + self.found.rounding + ROUNDING * self.found.scales
         return np.where(np.isfinite(apart), apart, np.inf)
 
     def integral(self, number: int) -> Integral:
         """A sum with its error."""
-        return Integral(float(self.sums[number]), float(self.errors[number]))
+        return Integral(float(self.found.values[number]), float(self.errors[number]))
 
 
 def refined(
@@ -104,56 +134,62 @@ def refined(
     """
     met: set[int] = set()
 
-    def summed() -> tuple[Floats, Floats, int]:
-        total, scale, points = np.zeros(1), np.zeros(1), 0
+    def summed() -> tuple[Sums, int]:
+        total, points = Sums(*[np.zeros(1)] * 4), 0
         for portion in shape.portions(shape.grid(count), highest, near, threads):
-            value, size = quantities(portion)
-            total, scale = total + value, scale + size
+            total += quantities(portion)
             points += len(portion.rule.weights)
             met.update(np.unique(portion.rule.edge_leaf).tolist())
-        return total, scale, points
+        return total, points
 
     def compared() -> Refined:
         with np.errstate(invalid="ignore"):  # of sums that are not finite
-            now, last, older = np.abs(sums - before), np.abs(before - earlier), np.abs(earlier - first)
-        return Refined(sums, before, scales, count, highest, _apart(now, last, older, count * highest / along))
+            now, last, older = np.abs(sums.values - before), np.abs(before - earlier), np.abs(earlier - first)
+        apart = _apart(now, last, older, count * highest / along)
+        return Refined(sums, before, count, highest, apart)
+
+    def told() -> Refined:
+        if np.isinf(found.errors).any():
+            warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
+        elif (over := found.beyond(least)).any():
+            with np.errstate(divide="ignore"):
+                worst = float((found.errors[over] / found.found.scales[over]).max())
+            if found.improves(least).any():
+                why = (
+                    f"so much do rules of {points:.1e} points differ; near= points where the function or the boundary "
+                    "varies fast may help"
+                )
+            else:
+                why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
+            warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
+        return found
 
     dimension = shape.functions.dimension
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
     count, highest = CELLS[dimension] if cells is None else cells, order
-    sums, scales, points = summed()
-    before = earlier = np.full_like(sums, np.nan)
+    sums, points = summed()
+    before = earlier = np.full_like(sums.values, np.nan)
     shape.warn_of_cuts(shape.owner[sorted(met)])
     while True:
-        first, earlier, before, along = earlier, before, sums, count * highest
+        first, earlier, before, along = earlier, before, sums.values, count * highest
         if highest + ORDERS > max(HIGHEST, order + ORDERS):
             count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
         else:
             highest += ORDERS
-        sums, scales, points = summed()
+        sums, points = summed()
         found = compared()
-        open_ones = found.beyond(least)
-        if not open_ones.any():
+        if not found.improves(least).any():
             finer = FINER[dimension] * count + 1
             if not peaks or (finer / count) ** dimension * points > MOST_POINTS[dimension]:
-                return found
-            first, earlier, before, along = earlier, before, sums, count * highest
+                return told()
+            first, earlier, before, along = earlier, before, sums.values, count * highest
             count, highest = finer, order
-            sums, scales, points = summed()
+            sums, points = summed()
             found = compared()
-            open_ones = found.beyond(least)
-            if not open_ones.any():
-                return found
+            if not found.improves(least).any():
+                return told()
         if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
-            if np.isinf(found.errors).any():
-                warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
-                return found
-            worst = float((found.errors / scales)[open_ones].max())
-            warn(
-                f"an integral is known to a relative error of about {worst:.0e}: so much do rules of {points:.1e} "
-                "points differ; near= points where the function or the boundary varies fast may help"
-            )
-            return found
+            return told()
 
 
 def _apart(now: Floats, before: Floats, earlier: Floats, growth: float) -> Floats:

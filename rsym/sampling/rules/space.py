@@ -13,18 +13,18 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.bases import plane_rule
-from rsym.sampling.rules.columns import CellRule, Columns, rules_together, tensor_rules
+from rsym.sampling.rules.bases import BOTH, plane_rule
+from rsym.sampling.rules.columns import CellRule, Columns, Unresolved, rules_together, tensor_rules
 from rsym.sampling.rules.curves import Risers, along, coincide, heights_between, placed
 from rsym.sampling.rules.division import INSIDE, OPEN, BoundedFunctions, CutPieces, Limits, divide, starts
 from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
 
-LIMITS = Limits(4, 40, 3.0)
+LIMITS = Limits(4, 40, 3.0, 64)
 FACE, GAP = 0, 1
 
 
-def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, float]:
-    """The rule on pieces in space with a height, and the measure of what is not resolved of their bases.
+def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, Unresolved]:
+    """The rule on pieces in space with a height, and what is not resolved, of them and over parts of their bases.
 
     orders : (pieces,), the points along each direction.
     """
@@ -32,12 +32,15 @@ def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> 
     base = BaseFunctions.of(columns)
     found = divide(base, base.cells, LIMITS)
     rules = tensor_rules(found.lower, found.upper, found.owner, orders[found.owner])
-    tall, unresolved = columns.height[1] - columns.height[0], 0.0
+    tall, unresolved = columns.height[1] - columns.height[0], Unresolved()
     for parts in found.cut:
         if len(parts):
             rules.append(plane_rule(base, parts, orders[parts.owner])[0])
-            area = np.prod(parts.upper - parts.lower, axis=0) * tall[parts.owner]
-            unresolved += float(area[~parts.proved].sum())
+            some = ~parts.proved
+            width, own = (parts.upper - parts.lower)[:, some], parts.owner[some]
+            area = np.prod(width, axis=0)
+            walled = width.max(axis=0, initial=0.0) * np.bincount(parts.piece, base.walls[parts.leaf], len(parts))[some]
+            unresolved += Unresolved(float(area @ tall[own]), float(BOTH * area.sum() + walled @ tall[own]))
     flat = rules_together(rules)
     lines = columns.lines(flat.owner, flat.points)
     walls = columns.lines(flat.edge_owner, flat.edge_points)
@@ -45,7 +48,8 @@ def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> 
     leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
     left, right = _sides(columns, flat, leaf)
     along_walls = walls.walked_upright(kind, left, right, flat.edge_weights)
-    return columns.rule(lines, flat.weights, walls, along_walls, orders), unresolved
+    rule, lost = columns.rule(lines, flat.weights, walls, along_walls, orders)
+    return rule, unresolved + lost
 
 
 def _sides(columns: Columns, flat: CellRule, leaf: Ints) -> tuple[Any, Any]:
