@@ -224,7 +224,8 @@ def switched(where: Any, inside: Any, outside: Any) -> Switched:
     Parameters
     ----------
     where : Shape or expression
-        Positive where the first holds. It may cut an edge anywhere but along it.
+        Positive where the first holds. It may cut an edge anywhere but along it. The sign alone matters: where it is
+        steep, as tanh(100*x), straight lines through the same places stand for it.
     inside, outside : values, ``rsym.robin(c, h)`` or ``rsym.neumann(h)``
         Both for parts of the boundary of a shape in the plane.
 

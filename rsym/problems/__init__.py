@@ -9,7 +9,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `terms`: what is linear in an unknown function; `equation_text`, `equations`: a differential equation, of text or
   SymPy, as its coefficients; `weak/`: forms of u and v, written as functions, as theirs
 - `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
-- `switches`: conditions that change on an edge
+- `switches`: conditions that change on an edge; `even_switches`: by functions that grow evenly along it
 - `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their answers
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
   solution is made of; `posing`: its conditions as the letters of its shape have them

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile, real_arrays
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.problem import vanished
@@ -63,11 +63,17 @@ def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near:
 
 
 def _require_no_gap(gap: Gap | None, grid: CellGrid, cells: int) -> None:
-    """Refuse cells that do not resolve a gap."""
+    """Refuse cells that do not resolve a gap; warn of a contact."""
     if gap is None:
         return
     place = ", ".join(f"{round(value / grid.size, 3) * grid.size:.4g}" for value in gap.point)
     sides = f"'{gap.parts[0]}' and '{gap.parts[1]}'" if len(set(gap.parts)) == 2 else f"places of '{gap.parts[0]}'"
+    if gap.width == 0:
+        warn(
+            f"the shape touches itself at ({place}), between {sides}, within a cell: splines tie both sides "
+            "together, and what is found within a few cells is wrong; remedy: take the sides as shapes by themselves"
+        )
+        return
     enough = max(cells + 1, math.ceil(cells * grid.size / gap.side * (1 - SURE)))
     thinner = "thinner than the cells" if gap.width < grid.size else "within single cells, askew"
     raise RsymError(

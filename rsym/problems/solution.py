@@ -297,7 +297,9 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     if problem.cuts:
         near = problem.switches.graded(near)
     rule = rule_on(problem.shape, problem.named, cells, order, near)
-    rule = problem.switches.relabelled(rule) if problem.cuts else rule
+    if problem.cuts:
+        problem.switches.require_apart(rule.grid.size, cells)
+        rule = problem.switches.relabelled(rule)
     if problem.axis >= 0:
         across = rule.points[:, 1 - problem.axis]
         least, most = float(across.min()), float(across.max())

@@ -93,7 +93,8 @@ def solve(
     Warns
     -----
     RsymWarning
-        Where the tolerance is not reached.
+        Where the tolerance is not reached; where a shape touches itself, or conditions change at places near to each
+        other, and cells do not resolve it.
 
     Examples
     --------
@@ -121,6 +122,8 @@ def answered(
     if cells is not None:
         whole(cells, "the cells", 1)
         rule = rule_for(problem, cells, degree + MORE_POINTS)
+        if problem.cuts:
+            problem.switches.warn_if_near(rule.grid.size, cells)
         return solved(problem, rule, cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:

@@ -20,10 +20,11 @@ from rsym.analysis.conditions import BoundaryCondition, Dirichlet, Switched
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel
 from rsym.backends.kernel import compile as compile_shape
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.logic.sign_form import Gate, SignForm
 from rsym.model.shape import Bounds, Shape
 from rsym.problems.corners.corners import PlaneCorner, flat_corners
+from rsym.problems.even_switches import evened, evened_between, unexplained
 from rsym.problems.meetings import Places
 from rsym.problems.pointwise import PointFormulas, compiled
 from rsym.program.lowering import lower
@@ -37,60 +38,92 @@ NEAR = 1e-9  # of it: points that are one
 MOST_POINTS = 64  # between conditions on one leaf: more are those of a function that is 0 along it
 FLAT = 1e-6  # of usual slopes
 ON_EDGE = 1e-2  # of a step along an edge: how far from it is on it
+APART, SURE = 2.0, 5.0  # cells from one place where conditions change to the next
 COARSE = 32  # cells of a rule that tells which conditions hold on an edge
-HALVINGS, JUMP = 40, 1e-3
+HALVINGS, JUMP, STEPS = 40, 1e-3, 65
 
 
 class EdgeCut(NamedTuple):
     """A leaf, the function whose sign tells which of two conditions holds, and the points (n, 2) where it is 0.
 
     crosses : whether it changes its sign on the edge at one of them, and not at its ends alone.
+    changes : at which of them it changes its sign along the leaf, which has there these `tangents` (n, 2).
     """
 
     leaf: int
     where: sp.Expr
     points: Floats = np.empty((0, 2))
     crosses: bool = True
+    changes: Flags = np.empty(0, np.bool_)
+    tangents: Floats = np.empty((0, 2))
 
 
 def placed_conditions(
     shape: Shape, form: SignForm, conditions: Sequence[BoundaryCondition | None], order: int
 ) -> tuple[tuple[BoundaryCondition | None, ...], tuple[EdgeCut, ...]]:
-    """As `cut_conditions`, the cuts `located`; a leaf on which nothing changes has the condition that holds on it.
+    """As `cut_conditions`, cuts `located` and even; a leaf on which nothing changes has the condition that holds on it.
 
     Raises
     ------
     RsymError
-        For a function that jumps from one sign to the other on an edge, too.
+        For a function that jumps from one sign to the other on an edge, too, or is steep there and flat elsewhere.
     """
     every, cuts = cut_conditions(shape, conditions, order)
-    cuts = located(shape, form, cuts)
-    if all(cut.crosses for cut in cuts):
-        return every, cuts
-    boundary, own = prepared(shape, None, None).rule(COARSE, 2).boundary, [*conditions]
+    if not cuts:
+        return every, ()
+    cuts, own, evener = located(shape, form, cuts), [*conditions], []
+    box = bounds_or_extent(shape, None)
+    boundary = prepared(shape, box, None).rule(COARSE, 2).boundary
     for k, cut in enumerate(cuts):
         points = boundary.points[boundary.leaves == cut.leaf]
-        if cut.crosses or not len(points):
+        if not len(points):
+            evener.append(cut)
             continue
         kernel = compile_shape(shape.replace(expression=cut.where), backend="numpy")
-        within = kernel(*points.T)["value"] > 0
-        if within.all() or not within.any():
-            own[cut.leaf] = every[cut.leaf] if within.all() else every[len(conditions) + k]
+        values = kernel(*points.T)["value"]
+        if cut.crosses:
+            evener.append(_even(shape, form, cut, values, points))
+        elif (values > 0).all() or not (values > 0).any():
+            own[cut.leaf] = every[cut.leaf] if (values > 0).all() else every[len(conditions) + k]
+            evener.append(cut)
         else:
-            _require_zero(kernel, points, within)
+            way = _require_zero(kernel, points, values > 0)
+            _require_explained(shape, cut, values, points)
+            along = kernel(*np.linspace(*way, STEPS).T)["value"]
+            evener.append(cut._replace(where=evened_between(shape, cut.where, values, points, way, along)))
     every, left = cut_conditions(shape, own, order)
-    return every, tuple(cut for cut in cuts if any(cut.leaf == one.leaf for one in left))
+    return every, tuple(cut for cut in evener if any(cut.leaf == one.leaf for one in left))
 
 
-def _require_zero(kernel: Kernel, points: Floats, within: Flags) -> None:
-    """Refuse a function that has no zero between the points, next to each other, at which its signs differ."""
+def _even(shape: Shape, form: SignForm, cut: EdgeCut, values: Floats, edge: Floats) -> EdgeCut:
+    """A cut with an even function, all of whose changes, between points of an edge, are known."""
+    _require_explained(shape, cut, values, edge)
+    size, some = float(np.diff(bounds_or_extent(shape, None), axis=1).max()), cut.changes
+    even = evened(shape, cut.where, values, edge, cut.points[some], cut.tangents[some], size)
+    return cut if even is cut.where else located(shape, form, [EdgeCut(cut.leaf, even)])[0]
+
+
+def _require_explained(shape: Shape, cut: EdgeCut, values: Floats, edge: Floats) -> None:
+    """Refuse a function that changes its sign between points of an edge where no zero of it was found."""
+    size = float(np.diff(bounds_or_extent(shape, None), axis=1).max())
+    if (place := unexplained(values, edge, cut.points[cut.changes], size / COARSE)) is not None:
+        told = ", ".join(f"{value:.6g}" for value in place)
+        raise RsymError(
+            f"what tells where conditions change has another sign beside ({told}), and no zero between is found",
+            code="condition",
+            remedy="give a function of that sign that is neither flat nor steep: x instead of x**3 or tanh(10**4*x)",
+        )
+
+
+def _require_zero(kernel: Kernel, points: Floats, within: Flags) -> tuple[Floats, Floats]:
+    """Refuse a function that has no zero between the points, next to each other, at which its signs differ; these."""
 
     def where(point: Floats) -> float:
         return float(kernel(*point)["value"])
 
     away, nearest = cKDTree(points[~within]).query(points[within])
     first = int(np.argmin(away))
-    one, other = points[within][first], points[~within][nearest[first]]
+    one, other = way = points[within][first], points[~within][nearest[first]]
     ends = abs(where(one) - where(other))
     for _ in range(HALVINGS):
         middle = (one + other) / 2
@@ -102,6 +135,7 @@ def _require_zero(kernel: Kernel, points: Floats, within: Flags) -> None:
             code="condition",
             remedy="give a shape whose boundary crosses the edge: x instead of sign(x)",
         )
+    return way
 
 
 def cut_conditions(
@@ -169,7 +203,7 @@ def located(shape: Shape, form: SignForm, cuts: Sequence[EdgeCut]) -> tuple[Edge
         own = [active_leaf(form.gates, [*places.at(points + way)[0][: len(form.leaves)]])[0] for way in (-ways, ways)]
         on_edge = np.all(np.abs(own) <= ON_EDGE * ASIDE * size * steep, axis=0)
         crosses = bool(np.any(changes & on_edge))
-        found.append(EdgeCut(cut.leaf, cut.where * sp.Integer(2) ** power, points, crosses))
+        found.append(EdgeCut(cut.leaf, cut.where * sp.Integer(2) ** power, points, crosses, changes, tangents))
     return tuple(found)
 
 
@@ -276,6 +310,42 @@ class Switches:
         ends = np.concatenate([np.empty((0, 2)), *(cut.points for cut in self.cuts)])
         return tuple(replace(one, reach=min(one.reach, _nearest(one.point, ends))) for one in (*own, *places))
 
+    def require_apart(self, size: float, cells: int) -> None:
+        """Refuse cells of a size that do not resolve how near to each other conditions change.
+
+        Of a strip on which u is 0 between two fluxes errors are 70 and 20 parts of a hundred where it is half a cell
+        and a cell wide, 6 to 2 at two cells, 1 to 0.1 at four; with ten such places on one edge they are 6 at five.
+        """
+        if self.least_apart < APART * size:
+            raise RsymError(
+                self._near(size),
+                code="cells",
+                remedy=f"ask for {math.ceil(cells * APART * size / self.least_apart)} cells at least; "
+                f"{math.ceil(cells * SURE * size / self.least_apart)} are enough",
+            )
+
+    def warn_if_near(self, size: float, cells: int) -> None:
+        """Warn of cells that hardly resolve it."""
+        if self.least_apart < SURE * size:
+            enough = math.ceil(cells * SURE * size / self.least_apart)
+            warn(f"{self._near(size)}: errors may be some parts of a hundred there; remedy: {enough} cells")
+
+    def _near(self, size: float) -> str:
+        points, away = self._apart
+        place = ", ".join(f"{value:.4g}" for value in points[int(np.argmin(away))])
+        return f"conditions change at ({place}) and {self.least_apart:.4g} from there, with cells of {size:.4g}"
+
+    @property
+    def least_apart(self) -> float:
+        """How near to each other conditions change."""
+        return float(np.min(self._apart[1], initial=np.inf))
+
+    @cached_property
+    def _apart(self) -> tuple[Floats, Floats]:
+        """Where conditions change, and how far the next such place is from each."""
+        points = np.concatenate([np.empty((0, 2)), *(cut.points[cut.changes] for cut in self.cuts)])
+        return points, np.array([_nearest(point, points, NEAR * self._size) for point in points])
+
     def graded(self, near: Grading | None) -> Grading:
         """Towards the points where conditions change too: weights have roots there."""
         points, rates = (np.empty((0, 2)), np.empty(0)) if near is None else (near.points, near.exponents)
@@ -294,7 +364,7 @@ class Switches:
         return replace(rule, parts=parts, boundary=replace(boundary, leaves=leaves, parts=parts))
 
 
-def _nearest(point: Sequence[float], others: Floats) -> float:
-    """The distance to the nearest of some points but itself."""
+def _nearest(point: Sequence[float], others: Floats, same: float = 0.0) -> float:
+    """The distance to the nearest of some points but itself, and those that are as good as the same."""
     away = np.hypot(*(others - np.array(point)).T)
-    return float(np.min(away[away > 0], initial=np.inf))
+    return float(np.min(away[away > same], initial=np.inf))

@@ -92,7 +92,21 @@ def test_a_gap_askew_that_single_cells_hold_both_sides_of_is_found():
     ids=["90", "30", "10", "overlap", "contact", "crescent", "hole", "short", "L", "thin"],
 )
 def test_sides_that_meet_are_not_kept_apart(shape, cells):
-    assert found(shape, cells) is None
+    gap = found(shape, cells)
+    assert gap is None or gap.width == 0
+
+
+HOLES = rsym.disc(2) - rsym.disc(0.5, (-0.5, 0)).named("left") - rsym.disc(0.5, (0.5, 0)).named("right")
+
+
+@pytest.mark.parametrize("shape", [discs(0), discs(0, 0.5), HOLES], ids=["discs", "unlike", "holes"])
+@pytest.mark.parametrize("turn", [0, 0.4])
+def test_a_contact_is_told_where_cells_hold_both_sides(shape, turn):
+    gap = found(shape.rotate(turn), 25)
+    assert (gap.width, gap.parts) == (0, ("left", "right"))
+    np.testing.assert_allclose(gap.point, 0, atol=1e-6)
+    with pytest.warns(rsym.RsymWarning, match="touches itself at .*'left' and 'right', within a cell"):
+        rule_on(shape.rotate(turn), [...], 25, 6)
 
 
 def test_a_gap_in_space():

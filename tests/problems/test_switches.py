@@ -70,6 +70,41 @@ def test_the_size_of_what_tells_where_conditions_change_does_not_matter(where):
     assert found(0.3, 0.4) == pytest.approx(exact, abs=0.4)  # of 500
 
 
+@pytest.mark.parametrize("shape", [rsym.disc(1).named("rim"), rsym.rectangle(2, 1).named("rim")], ids=["disc", "box"])
+def test_the_sign_alone_tells_where_conditions_change(shape):
+    """Of the box what is left and right is one leaf, on which nothing changes, as are the others, each cut twice."""
+
+    def solved(where):
+        place = {"rim": rsym.switched(where, 0, rsym.neumann())}
+        return rsym.solve(shape, "-laplacian(u) = 1", place, cells=12)([0.3, -0.5], [0.2, 0.1])
+
+    plain = solved(x)
+    for where in (sp.tanh(100 * x), sp.exp(9 * x) - 1, x / sp.sqrt(x**2 + sp.Rational(1, 1000))):
+        np.testing.assert_allclose(solved(where), plain, rtol=1e-8)
+
+
+def test_what_is_too_steep_or_flat_is_refused():
+    for where, told in ((sp.tanh(10**4 * x), "no zero between is found"), (x**3, "no zero between is found")):
+        with pytest.raises(rsym.RsymError, match=told):
+            rsym.solve(rsym.disc(1), "-laplacian(u) = 1", {...: rsym.switched(where, 0, rsym.neumann())}, cells=8)
+    ring = rsym.Shape((1 - x**2 - y**2) * (x**2 + y**2 - sp.Rational(1, 4)), (x, y))
+    bent = rsym.switched(sp.tanh(20 * (y - sp.sin(3 * x))), 0, rsym.neumann())
+    with pytest.raises(rsym.RsymError, match=r"is steep at \(.*x instead of tanh"):
+        rsym.solve(ring, "-laplacian(u) = 1", {...: bent}, cells=16)
+
+
+def test_places_too_near_to_each_other_for_cells_are_told():
+    strip = rsym.switched(sp.Rational(1, 100) - (x - sp.Rational(1, 7)) ** 2, 0, rsym.neumann())
+
+    def solved(cells):
+        return rsym.solve(BOX, "-laplacian(u) = 1", {"low": strip}, cells=cells)
+
+    with pytest.raises(rsym.RsymError, match=r"0\.2 from there, .*ask for 21 cells at least; 51 are enough"):
+        solved(16)
+    with pytest.warns(rsym.RsymWarning, match=r"0\.2 from there, .* remedy: 51 cells"):
+        solved(21)
+
+
 def test_values_on_both_sides_of_a_place_that_agree_there():
     found = rsym.solve(BOX, "-laplacian(u) = 0", {"low": rsym.switched(LEFT, -x, x), "top": 1}, cells=12)
     assert found([-0.5, 0.25], 0) == pytest.approx([0.5, 0.25], abs=1e-12)

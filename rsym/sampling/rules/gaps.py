@@ -6,7 +6,7 @@ It keeps its sides apart if no short way inside leads around it: of a notch the 
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,6 +27,9 @@ CLOSE = 4  # points along a side of a cell
 # A notch becomes thinner towards its end: so much, at least, within half of such a way.
 THINNER = 0.8
 TOUCHING = 1e-3
+ALIKE = 1e-9  # of directions, and of cells
+PARALLEL = 0.5  # the cosine of the angle between two leaves in a cell where they may touch
+MOST_CONTACTS = 256  # cells that are looked at
 HALVINGS = 40
 AT_ONCE = 64  # crossings whose ways are looked for at once
 PAIRS = 2**18  # of points and leaves that are looked at at once
@@ -35,7 +38,7 @@ PAIRS = 2**18  # of points and leaves that are looked at at once
 class Gap(NamedTuple):
     """Where a shape has a gap: the middle of it, its width, and the parts on both sides.
 
-    side : of cells that lie in it from wall to wall, less than its width if it is askew to them.
+    side : of cells that lie in it from wall to wall, less than its width if it is askew to them; 0 of a contact.
 
     Examples
     --------
@@ -52,8 +55,8 @@ class Gap(NamedTuple):
 def thin_gap(functions: Any, rule: Quadrature) -> Gap | None:
     """The thinnest gap that is thinner than the cells of a rule and keeps apart what lies on both sides; or None.
 
-    A gap askew to the cells is so, too, where both sides are in one of them. functions : the leaves that the rule was
-    made of.
+    A gap askew to the cells is so, too, where both sides are in one of them. If there is no gap, a contact of leaves in
+    a cell that holds more than one side of it. functions : the leaves that the rule was made of.
 
     Examples
     --------
@@ -63,6 +66,13 @@ def thin_gap(functions: Any, rule: Quadrature) -> Gap | None:
     >>> round(thin_gap(discs.functions, discs.rule(16, 8)).width, 2), thin_gap(discs.functions, discs.rule(32, 8))
     (0.2, None)
     """
+    contacts = _contacts(functions, rule)
+    near = np.array([contact.point for contact in contacts]).reshape(-1, functions.dimension)
+    return _thinnest(functions, rule, near) or next(iter(contacts), None)
+
+
+def _thinnest(functions: Any, rule: Quadrature, contacts: Floats) -> Gap | None:
+    """The thinnest gap; where leaves touch, (k, dim), there is none."""
     boundary, size = rule.boundary, rule.grid.size
     few = _few(boundary.cells, FEW)
     met = np.isfinite(_crossed(functions, boundary.points[few].T, boundary.normals[few].T, size))
@@ -80,6 +90,8 @@ def thin_gap(functions: Any, rule: Quadrature) -> Gap | None:
     some, width = some[order], width[order]
     start, normal = boundary.points[some].T, boundary.normals[some].T
     held = _ways(functions, rule, start, normal, width) > AROUND * size
+    if len(contacts):
+        held &= cKDTree(contacts).query(start.T)[0] > AROUND / 2 * size
     _let_notches(start, width, AROUND / 2 * size, held)
     if not held.any():
         return None
@@ -142,6 +154,44 @@ def _fall_apart(functions: Any, rule: Quadrature, cells: Ints) -> Flags:
     several = owner[1:][(np.diff(owner) == 0) & (np.diff(group) != 0)]
     found: Flags = np.isin(cells, several)
     return found
+
+
+def _contacts(functions: Any, rule: Quadrature) -> list[Gap]:
+    """Where two leaves touch in a cell whose points do not all see each other."""
+    boundary, found = rule.boundary, list[Gap]()
+    pairs, place = np.unique(np.stack([boundary.cells, boundary.leaves]), axis=1, return_inverse=True)
+    normals = np.stack([np.bincount(place.ravel(), column, len(pairs[0])) for column in boundary.normals.T], axis=1)
+    lengths = np.linalg.norm(normals, axis=1)
+    along = np.abs(np.sum(normals[1:] * normals[:-1], axis=1)) >= PARALLEL * lengths[1:] * lengths[:-1]
+    cells = np.unique(pairs[0, 1:][(np.diff(pairs[0]) == 0) & along])[:MOST_CONTACTS]
+    for cell in cells[_fall_apart(functions, rule, cells)] if len(cells) else cells:
+        on = boundary.cells == cell
+        points = boundary.points[on].T
+        count = points.shape[1]
+        values, _ = functions.evaluate(np.repeat(np.arange(functions.count), count), np.tile(points, functions.count))
+        own = np.argmin(np.abs(values.reshape(-1, count)), axis=0)
+        for pair in combinations(np.unique(own), 2):
+            place = _contact(functions, np.array(pair), points.mean(axis=1), rule.grid.size)
+            low, high = (side[:, 0] for side in rule.grid.corners(np.array([cell])))
+            if place is not None and np.all(np.abs(place - (low + high) / 2) <= (0.5 + TOUCHING) * rule.grid.size):
+                one, other = sorted(rule.parts[boundary.leaves[on][own == leaf][0]] for leaf in pair)
+                found.append(Gap(tuple(float(value) for value in place), 0.0, (one, other), 0.0))
+    return found
+
+
+def _contact(functions: Any, pair: Ints, point: Floats, size: float) -> Floats | None:
+    """Where two leaves are 0 with gradients along one line, by Gauss and Newton's steps, half as long each time."""
+    slopes = np.zeros((2, len(point)))
+    for _ in range(HALVINGS):
+        values, gradients = functions.evaluate(pair, np.stack([point, point], axis=1))
+        slopes = gradients.T
+        if not (np.isfinite(values).all() and np.isfinite(slopes).all()):
+            return None
+        step = np.linalg.pinv(slopes, rcond=1e-12) @ values
+        point = point - step * min(1.0, size / max(float(np.linalg.norm(step)), size))
+    lengths = np.linalg.norm(slopes, axis=1)
+    along = abs(float(slopes[0] @ slopes[1])) >= (1 - ALIKE) * float(lengths[0] * lengths[1])
+    return point if along and np.abs(values).max() <= ALIKE * size else None
 
 
 def _let_notches(start: Floats, width: Floats, near: float, held: Flags) -> None:
