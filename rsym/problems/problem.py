@@ -37,7 +37,7 @@ from rsym.problems.parts import Parts, formula
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.switches import EdgeCut, Switches, split_form
-from rsym.problems.systems.borders import Beside
+from rsym.problems.systems.borders import Beside, BesideAt
 from rsym.problems.weak.weak_form import WeakForm, sized
 from rsym.program.lowering import lower
 from rsym.sampling.extent import bounds_or_extent
@@ -303,6 +303,11 @@ def _first_order(problem: Problem, corner: PlaneCorner) -> tuple[Floats, Floats]
         elif trial == 0 < test:
             convection[test - 1] -= radius * values[name]
     return radius * values["a00"], convection
+
+
+def beside_at(problem: Problem, points: Floats, order: int | None = None) -> BesideAt:
+    """The functions of a problem beside splines, at points, up to an order: that of what is integrated by default."""
+    return BesideAt(points, problem.beside(points), problem.order if order is None else order)
 
 
 def oriented(problem: Problem, points: Floats) -> Problem:

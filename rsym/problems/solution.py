@@ -23,11 +23,12 @@ from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
-from rsym.problems.problem import Problem, on_cells, on_part, oriented
+from rsym.problems.problem import Problem, beside_at, on_cells, on_part, oriented
 from rsym.problems.solution_report import SolutionReport, reported
 from rsym.problems.splines.cardinals import derivatives, product_terms
 from rsym.problems.splines.evaluation import jets
 from rsym.problems.splines.web import WebSplines
+from rsym.problems.systems.borders import BesideAt
 from rsym.problems.systems.linear import solve_system
 from rsym.reports.words import plural
 from rsym.sampling.contours import level_lines
@@ -119,10 +120,12 @@ class Solution:
         """The rule of integration that it was found with."""
         return rule_for(self.problem, self.report.cells, self.order)
 
-    def jets(self, points: Floats, order: int = 1) -> Floats:
+    def jets(self, points: Floats, order: int = 1, functions: BesideAt | None = None) -> Floats:
         """The derivatives (kinds, n) up to an order of at most 2 at points (n, dimension), whether inside or not.
 
         They come in the order value, first and second derivatives: u, u_x, u_y, u_xx, u_xy, u_yy.
+
+        functions : those beside splines, if they are known at these points.
         """
         kinds = len(derivatives(self.problem.dimension, order))
         found = np.zeros((kinds, len(points)))
@@ -136,9 +139,15 @@ class Solution:
             lift = self.problem.lift(order)
             if lift is not None:
                 found[:, some] += lift(here)
-            for one in self.problem.beside(here):
-                found[:, first + one.where] += (one.derivatives(here[one.where], order) @ self.others[one.numbers]).T
+            if functions is None:
+                self._add_beside(beside_at(self.problem, here, order), found[:, some])
+        if functions is not None:
+            self._add_beside(functions, found)
         return found
+
+    def _add_beside(self, functions: BesideAt, found: Floats) -> None:
+        for number, one in enumerate(functions.beside):
+            found[:, one.where] += (functions.of(number)[:, : len(found)] @ self.others[one.numbers]).T
 
     def __call__(self, *coordinates: ArrayLike) -> Any:
         """Values at points; coordinates broadcast, outside it is NaN."""
@@ -310,15 +319,15 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     return rule
 
 
-def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:
-    """The solution on a rule."""
+def solved(problem: Problem, rule: Quadrature, cells: int, degree: int, functions: BesideAt | None = None) -> Solution:
+    """The solution on a rule; `functions` are those beside splines at its points, if they are known."""
     if degree < problem.order:
         raise RsymError(
             f"an equation of the order {problem.equation.order} needs splines of the degree {problem.order} at least",
             code="degree",
         )
     problem = oriented(on_cells(problem, float(np.max(rule.grid.size))), rule.points)
-    discrete = Discretisation(problem, rule, degree)
+    discrete = Discretisation(problem, rule, degree, functions=functions)
     discrete.require_level()
     found = solve_system(
         discrete.matrix,
