@@ -20,6 +20,7 @@ from rsym.model.shape import Shape
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.extremes import Extremes
 from rsym.problems.galerkin import Discretisation
+from rsym.problems.limits import with_limits
 from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
@@ -132,18 +133,22 @@ class Solution:
         for first in range(0, len(points), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             here = points[some]
-            weight = self.problem.weight(order)(here)
+            weight = with_limits(self.problem.weight(order), here, self.inside, self._size)
             phi = jets(self.splines, self.coefficients[None], here, order)[:, 0]
             for term in product_terms(self.problem.dimension, order):
                 found[term.whole, some] += term.times * weight[term.left] * phi[term.right]
             lift = self.problem.lift(order)
             if lift is not None:
-                found[:, some] += lift(here)
+                found[:, some] += with_limits(lift, here, self.inside, self._size)
             if functions is None:
                 self._add_beside(beside_at(self.problem, here, order), found[:, some])
         if functions is not None:
             self._add_beside(functions, found)
         return found
+
+    @property
+    def _size(self) -> float:
+        return float(np.max(self.splines.size * self.splines.counts))
 
     def _add_beside(self, functions: BesideAt, found: Floats) -> None:
         for number, one in enumerate(functions.beside):
@@ -154,7 +159,10 @@ class Solution:
         return self._field(coordinates, 0)[0]
 
     def gradient(self, *coordinates: ArrayLike) -> Any:
-        """The gradient (..., dimension) at points."""
+        """The gradient (..., dimension) at points: on the boundary its limit, NaN where it has none.
+
+        It has none at re-entrant corners between values, and where parts that are flush end on an edge.
+        """
         return np.moveaxis(self._field(coordinates, 1)[1:], 0, -1)
 
     def hessian(self, *coordinates: ArrayLike) -> Any:
