@@ -25,7 +25,7 @@ from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
-from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
+from rsym.problems.solution import Solution, rule_for, rule_order, solved, with_rule
 from rsym.problems.systems.borders import BesideAt
 from rsym.sampling.progress import Progress
 
@@ -120,11 +120,11 @@ def answered(
     problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
     if cells is not None:
         whole(cells, "the cells", 1)
-        rule = rule_for(problem, cells, degree + MORE_POINTS)
+        rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         return solved(problem, rule, cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
-        rule = rule_for(problem, cells, degree + MORE_POINTS)
+        rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         functions = beside_at(problem, rule.points)
         made = solved(problem, rule, cells, degree, functions)
         error = estimated(made, functions)
