@@ -22,11 +22,11 @@ from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.symbols import real_symbol
 from rsym.problems.plates import bending
 from rsym.problems.pointwise import first_place, formulas, require_numbers
-from rsym.problems.problem import Problem, on_part, value_at
+from rsym.problems.problem import Problem, beside_at, on_part, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.rules import splines_of
 from rsym.problems.splines.web import WebSplines
-from rsym.problems.systems.borders import SystemBorder
+from rsym.problems.systems.borders import BesideAt, SystemBorder
 from rsym.problems.systems.cell_code import apply_forms
 from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, extended
 from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
@@ -78,12 +78,13 @@ class EdgePart:
 
 @dataclass(frozen=True)
 class Discretisation:
-    """A problem on a rule of integration, by splines of a degree."""
+    """A problem on a rule of integration, by splines of a degree; `functions` are those beside them, if known."""
 
     problem: Problem
     rule: Quadrature
     degree: int
     threads: int | None = None
+    functions: BesideAt | None = None
 
     @cached_property
     def splines(self) -> WebSplines:
@@ -120,8 +121,12 @@ class Discretisation:
 
     def border(self, where: CellPoints) -> SystemBorder:
         """These functions at the points of a rule."""
-        beside = self.problem.beside(where.points)
-        return SystemBorder(self.assembler, self.tests, where, beside, self.extra_count)
+        functions = self._functions if where is self.inside else beside_at(self.problem, where.points)
+        return SystemBorder(self.assembler, self.tests, where, functions, self.extra_count)
+
+    @cached_property
+    def _functions(self) -> BesideAt:
+        return self.functions or beside_at(self.problem, self.inside.points)
 
     # -- forms at points -------------------------------------------------------------------------------------------
 
@@ -301,7 +306,6 @@ class Discretisation:
         values = value_at(self.problem.shape, density, self.rule.points) * self.rule.weights
         form = at_values(values * self.problem.radius(self.rule.points), self.kinds)
         own = self.assembler.matrix(self.inside, form, self.tests)
-
         return self._bordered(extended(self.splines, own), lambda: [(self.inside, form)], True)
 
     @cached_property
@@ -346,7 +350,7 @@ class Discretisation:
             border = self.border(where)
             columns = columns + border.columns(form, symmetric=symmetric)
             if not symmetric:
-                rows = rows + border.columns(transposed(form), symmetric=False)[:active]
+                rows = rows + border.columns(transposed(form), symmetric=False, among=False)[:active]
         inner = self.splines.extension.T
         across, among = inner @ columns[:active], columns[active:]
         down = across if symmetric else inner @ rows

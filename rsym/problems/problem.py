@@ -29,6 +29,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned, require_part
 from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
+from rsym.problems.corners.growth import Growth, growth_of, places_at
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.left_behind import portable
 from rsym.problems.lifts import lift_of, lift_on
@@ -36,7 +37,7 @@ from rsym.problems.parts import Parts, formula
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.switches import EdgeCut, Switches, split_form
-from rsym.problems.systems.borders import Beside
+from rsym.problems.systems.borders import Beside, BesideAt
 from rsym.problems.weak.weak_form import WeakForm, sized
 from rsym.program.lowering import lower
 from rsym.program.raising import raised
@@ -295,11 +296,34 @@ def with_corners(problem: Problem, degree: int) -> Problem:
         sizes = np.abs(problem.coefficients(points)[place])
         return [bool(size > NO_LOAD * sizes.max()) for size in sizes]
 
+    def grown(corners: Sequence[PlaneCorner]) -> list[Growth | None]:
+        return [None if any(one.free(natural)) else growth_of(one, *_first_order(problem, one)) for one in corners]
+
     valued = problem.leaves(*VALUED)
     natural = [leaf for leaf in range(len(problem.form.leaves)) if leaf not in valued]
     marked = problem.switches.marked if problem.cuts else tuple
-    chosen = chosen_corners(problem.shape, natural, loaded, axis=problem.axis, degree=degree, marked=marked)
+    chosen = chosen_corners(
+        problem.shape, natural, loaded, axis=problem.axis, degree=degree, marked=marked, grown=grown
+    )
     return replace(problem, corners=chosen)
+
+
+def _first_order(problem: Problem, corner: PlaneCorner) -> tuple[Floats, Floats]:
+    """Near a corner k (n,) of -div(k grad u) and b (2, n) of b . grad u, about an axis the radius in both."""
+    points = places_at(corner)
+    values = dict(zip(problem.equation.expressions, problem.coefficients(points), strict=True))
+    radius, convection = problem.radius(points), np.zeros((2, len(points)))
+    for (test, trial), name in problem.equation.places.items():
+        if test == 0 < trial:
+            convection[trial - 1] += radius * values[name]
+        elif trial == 0 < test:
+            convection[test - 1] -= radius * values[name]
+    return radius * values["a00"], convection
+
+
+def beside_at(problem: Problem, points: Floats, order: int | None = None) -> BesideAt:
+    """The functions of a problem beside splines, at points, up to an order: that of what is integrated by default."""
+    return BesideAt(points, problem.beside(points), problem.order if order is None else order)
 
 
 def oriented(problem: Problem, points: Floats) -> Problem:

@@ -23,9 +23,10 @@ from rsym.problems.peaks import of_problem, unseen
 from rsym.problems.places import relettered
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
-from rsym.problems.problem import Problem, with_corners
+from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
-from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
+from rsym.problems.solution import Solution, rule_for, rule_order, solved, with_rule
+from rsym.problems.systems.borders import BesideAt
 from rsym.sampling.progress import Progress
 
 
@@ -121,14 +122,16 @@ def answered(
     problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
     if cells is not None:
         whole(cells, "the cells", 1)
-        rule = rule_for(problem, cells, degree + MORE_POINTS)
+        rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         if problem.cuts:
             problem.switches.warn_if_near(rule.grid.size, cells)
         return solved(problem, rule, cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
-        made = solved(problem, rule_for(problem, cells, degree + MORE_POINTS), cells, degree)
-        error = estimated(made)
+        rule = rule_for(problem, cells, rule_order(problem, cells, degree))
+        functions = beside_at(problem, rule.points)
+        made = solved(problem, rule, cells, degree, functions)
+        error = estimated(made, functions)
         # What all points of a rule miss is in no difference of degrees.
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 
@@ -211,13 +214,16 @@ def missed(solution: Solution) -> float:
     )
 
 
-def estimated(solution: Solution) -> float:
-    """How far one degree less is away, in the root of the mean square, as a share of the largest value."""
+def estimated(solution: Solution, functions: BesideAt) -> float:
+    """How far one degree less is away, in the root of the mean square, as a share of the largest value.
+
+    functions : those beside splines, at the points of its rule.
+    """
     rule, degree = solution.rule, solution.report.degree - 1
     if degree < solution.problem.order:
         return np.inf
-    lower = solved(solution.problem, rule, solution.report.cells, degree)
-    values, others = (one.jets(rule.points, 0)[0] for one in (solution, lower))
+    lower = solved(solution.problem, rule, solution.report.cells, degree, functions)
+    values, others = (one.jets(rule.points, 0, functions)[0] for one in (solution, lower))
     largest = float(np.max(np.abs(values)))
     if largest == 0:
         return 0.0

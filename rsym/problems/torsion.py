@@ -18,7 +18,7 @@ from rsym.problems.loops import loops_of
 from rsym.problems.places import relettered
 from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import Grade, last_degree, observed_order, refined
-from rsym.problems.solution import MORE_POINTS, Attained, Solution, rule_for, solved
+from rsym.problems.solution import Attained, Solution, rule_for, rule_order, solved
 from rsym.problems.solving import checked_degree
 from rsym.sampling.progress import Progress
 
@@ -176,7 +176,7 @@ def _problem(shape: Shape) -> Problem:
 
 
 def _torsion(problem: Problem, cells: int, degree: int) -> Torsion:
-    rule = rule_for(problem, cells, degree + MORE_POINTS)
+    rule = rule_for(problem, cells, rule_order(problem, cells, degree))
     boundary = rule.boundary
     # The outward normals of the section point into its holes: Gauss.
     around = np.sum(boundary.weights[:, None] * boundary.points * boundary.normals, axis=1) / 2

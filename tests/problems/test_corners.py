@@ -59,6 +59,43 @@ def test_natural_conditions_are_met_by_the_cosine():
     assert {term.kind for term in free.functions.terms} == {"cos"}
 
 
+@pytest.mark.parametrize(
+    ("equation", "axis"),
+    [
+        ("-laplacian(u) + dot([3, 1 + 2*y], grad(u)) = 1", None),
+        ("-div((4 + x - y^2)*grad(u)) + dot([1, x], grad(u)) = 1", None),
+        ("-laplacian(u) = 1", y),
+    ],
+)
+def test_convection_and_diffusion_that_varies_are_those_of_functions_at_corners(equation, axis):
+    """What the equation makes of them is of the order of c*u; without their factor it is one order more."""
+    shape = ell(0.2).translate(3, 0)
+    problem = problem_of(shape, equation, 0, axis=axis)
+    (part,) = (one for one in with_corners(problem, 5).corners.functions.parts if one.corner.is_reentrant)
+    assert part.growth is not None
+    first = math.atan2(*part.corner.edges[0][::-1])
+
+    def left(distance):
+        ways = first + part.corner.angle * np.linspace(0.1, 0.9, 5)
+        points = part.corner.point + distance * np.stack([np.cos(ways), np.sin(ways)], axis=1)
+        _, by_x, by_y, xx, _, yy = part.derivatives(points, 2)[:, :, 0].T
+        px, py = points.T
+        k, kx, ky = {"4": (4 + px - py**2, 1, -2 * py)}.get(equation[6], (1, 0, 0))
+        bx, by = {"3": (3, 1 + 2 * py), "1": (1, px)}.get(equation[equation.find("[") + 1], (0, 0))
+        bx = bx - 1 / px if axis else bx
+        return np.abs(-k * (xx + yy) - kx * by_x - ky * by_y + bx * by_x + by * by_y).max()
+
+    assert left(1e-5) <= 1.2 * 0.01 ** part.terms[0].exponent * left(1e-3)
+
+
+def test_a_diffusion_that_jumps_at_a_corner_has_no_factor():
+    jump = sp.Piecewise((1, x < y), (5, True))
+    problem = problem_of(ell(), "-div(k*grad(u)) = 1", 0, letters={"k": jump})
+    assert all(
+        part.growth is None for part in with_corners(problem, 5).corners.functions.parts if part.corner.is_reentrant
+    )
+
+
 def comb(count):
     """Teeth of a right angle: twice as many re-entrant corners."""
     teeth = [rsym.rectangle(sp.Rational(1, 4), 1).translate(sp.Rational(k, 2), sp.Rational(1, 2)) for k in range(count)]

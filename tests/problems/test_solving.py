@@ -7,6 +7,7 @@ import pickle
 import numpy as np
 import pytest
 import sympy as sp
+from numpy.testing import assert_allclose
 
 import rsym
 from rsym import x, y, z
@@ -446,3 +447,26 @@ def test_a_load_between_the_points_of_the_first_rule_is_found():
     away = math.log(math.hypot(0.5 - 0.031, 0.042) / math.hypot(1 - 0.5 * 0.031, 0.5 * 0.042))
     assert u.report.grades[0].estimate > 0.1
     assert abs(u(0.5, 0) - (0.75 - away / (2 * math.pi))) < 0.02
+
+
+def test_where_parts_are_flush_gradients_are_limits():
+    """The root of the weight has no derivative there: 0 times it at a corner, and a common factor along an edge."""
+    notched = rsym.rectangle(2, 2) - rsym.rectangle(1, 1).translate(sp.Rational(1, 2), sp.Rational(1, 2))
+    u = rsym.solve(notched, "-laplacian(u) = 1", 0, cells=6)
+    assert u.gradient([1, 0, 1], [0, 1, -1]).tolist() == [[0, 0]] * 3
+    assert np.isnan(u.gradient(0, 0)).all()  # it is infinite
+    assert np.isnan(u.laplacian(1, 0))
+    both = rsym.rectangle(1, 1) | rsym.rectangle(1, 1).translate(sp.Rational(1, 2), 0)
+    v = rsym.solve(both, "-laplacian(u) = 1", 0, cells=6)
+    on, beside = v.gradient([0.1, 0.3], 0.5), v.gradient([0.1, 0.3], 0.5 - 1e-7)
+    assert (on[:, 0] == 0).all()
+    assert_allclose(on[:, 1], beside[:, 1], rtol=1e-5)
+    assert -1.6 < v.flux() < -1.3  # the load is 1.5
+
+
+def test_an_answer_that_is_the_weight_times_a_spline_is_exact_on_few_cells():
+    """What was left was the error of the rule, 5e-10 with two points less along each direction."""
+    u = rsym.solve(rsym.ellipse(2, 1), "-laplacian(u) = 1", 0, cells=6)
+    points = u.rule.points
+    exact = 0.4 * (1 - points[:, 0] ** 2 / 4 - points[:, 1] ** 2)
+    assert np.abs(u.jets(points, 0)[0] - exact).max() < 1e-12

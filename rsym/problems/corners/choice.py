@@ -12,6 +12,7 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.problems.corners.corner_functions import CornerFunctions, corner_functions, terms_at
 from rsym.problems.corners.corners import PlaneCorner, surveyed_corners
+from rsym.problems.corners.growth import Growth
 
 MOST = 4000  # functions; each meets what is near its corner alone
 COUNTS = (7, 3), (4, 2), (3, 1), (1, 1)  # of rates and levels at each corner, fewer where there are many corners
@@ -62,6 +63,7 @@ def chosen_corners(
     axis: int = -1,
     degree: int = LOW + 1,
     marked: Callable[[Sequence[PlaneCorner]], Sequence[PlaneCorner]] = tuple,
+    grown: Callable[[Sequence[PlaneCorner]], Sequence[Growth | None]] = lambda corners: [None] * len(corners),
 ) -> CornerChoice:
     """At most so many functions, fewer at each corner if there are many; corners with the least exponents come first.
 
@@ -70,6 +72,7 @@ def chosen_corners(
     axis : the coordinate along the axis of a body of revolution: corners on it have the exponents of cones, and none.
     degree : of the splines beside them.
     marked : says of which edges conditions are natural beside corners, and may add flat ones, where these change.
+    grown : says of corners what factor their functions have.
     """
     surveyed, refused = surveyed_corners(shape)
     every = marked(surveyed)
@@ -92,7 +95,15 @@ def chosen_corners(
     places, loads = [corner for corner, _ in kept], [load for _, load in kept]
     power = LOW_POWER if low else POWER
     functions = corner_functions(
-        shape, places, natural, terms=terms, levels=levels, steepest=steepest, load=loads, power=power
+        shape,
+        places,
+        natural,
+        terms=terms,
+        levels=levels,
+        steepest=steepest,
+        load=loads,
+        power=power,
+        growths=grown(places),
     )
     bare = [one for one, cone in zip(every, conical, strict=True) if one.is_cusp or (cone and one.is_reentrant)]
     left = [*bare, *(corner for corner, _ in needed[count:])]

@@ -3,7 +3,8 @@
 With leaves f, g positive inside and p, q their gradients at the corner, v = f/|p| is the distance from the first edge
 to first order, and w = g/|q| that from the second; u = (w + v cos alpha)/sin alpha goes along the first. In these leaf
 coordinates both edges are straight: theta = 0 where f = 0, theta = alpha where g = 0, and at the corner they turn and
-stretch nothing. There
+stretch nothing. Where edges are curved a factor of each leaf, `Bend`, makes u + i*v = z + c z**2 to second order, so
+that what is harmonic there is so here but for two orders more, not one. There
 
     (1 - r**2/R**2)**m * r**(lambda + 2*j) * sin(lambda*theta),    lambda = k*pi/alpha,
 
@@ -13,7 +14,8 @@ cos alpha = 0 no polynomial that is 0 on both edges has the Laplacian -1, but
 
     -v**2/2 - Im(z**2 log z)/(2 alpha),    z = u + i*v,
 
-has. All are 0 beyond a circle inside of which the coordinates are one to one and no other part of the boundary lies.
+has. A factor, `Growth`, takes convection and a diffusion that varies along. All are 0 beyond a circle inside of which
+the coordinates are one to one and no other part of the boundary lies.
 
 Source: P. Grisvard (1985), Elliptic problems in nonsmooth domains, chapter 4, for the functions at straight edges.
 """
@@ -22,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,13 +33,16 @@ from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.problems.corners.corners import PlaneCorner
-from rsym.problems.corners.leaf_jets import LeafJets, leaf_jets
+from rsym.problems.corners.growth import Growth
+from rsym.problems.corners.leaf_jets import Bend, LeafJets, leaf_jets
 from rsym.problems.corners.singular_loops import LOG, corner_terms
+from rsym.problems.splines.cardinals import multiplied
 from rsym.sampling.rules.division import Grading
 
 CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
 MARGIN = 0.999  # of that radius, for what lies between the places
 WHOLE = 1e-9  # exponents so near to a whole number are those of polynomials, which need no functions of their own
+STRAIGHT, MOST_BENT = 1e-12, 20.0  # the least and most that leaves bend within a reach for what follows
 
 KINDS = ("sin", "cos", "log")  # as the loop counts them
 
@@ -60,6 +65,7 @@ class LocalFunctions:
     power: int
     turned: bool  # theta is counted from the second edge
     jets: LeafJets
+    growth: Growth | None = None
 
     def derivatives(self, points: Floats, order: int) -> Floats:
         """Derivatives up to the order 0, 1 or 2 at points (n, 2) within the reach: (n, kinds, terms)."""
@@ -81,7 +87,11 @@ class LocalFunctions:
             np.empty((3, multiples + 1)),
             out,
         )
-        return out
+        if self.growth is None:
+            return out
+        factor = self.growth.at(points - np.array(corner.point), order)
+        found = multiplied(out.transpose(1, 0, 2), factor[:, :, None], 2, order)
+        return np.ascontiguousarray(found.transpose(1, 0, 2))
 
 
 @dataclass(frozen=True)
@@ -171,6 +181,7 @@ def corner_functions(
     load: bool | Sequence[bool] = True,
     power: int = 7,
     letters: Mapping[Any, float] | None = None,
+    growths: Sequence[Growth | None] = (),
 ) -> CornerFunctions:
     """The singular functions at corners of a shape.
 
@@ -192,6 +203,8 @@ def corner_functions(
         Whether there are those with logarithms, which solutions of -laplacian(u) = 1 need where cos alpha = 0.
     power : int
         m, at least 3: so many times less one the functions are smooth where they end.
+    growths : sequence of Growth or None, optional
+        The factors of the functions at each corner; none by default.
 
     Raises
     ------
@@ -200,7 +213,7 @@ def corner_functions(
     """
     parts = []
     loads = [load] * len(corners) if isinstance(load, bool) else load
-    for corner, loaded in zip(corners, loads, strict=True):
+    for corner, loaded, growth in zip(corners, loads, growths or [None] * len(corners), strict=True):
         if corner.is_cusp:
             raise RsymError(
                 f"the edges {corner.parts[0]!r} and {corner.parts[1]!r} touch: a cusp has no functions of this kind",
@@ -212,7 +225,9 @@ def corner_functions(
         free = corner.free(natural)
         if chosen:
             jets = leaf_jets(shape, corner.leaves, letters, corner.lines)
-            parts.append(LocalFunctions(corner, chosen, _radius(corner, jets), power, free == (True, False), jets))
+            jets = replace(jets, bends=bends(corner, jets))
+            radius, turned = _radius(corner, jets), free == (True, False)
+            parts.append(LocalFunctions(corner, chosen, radius, power, turned, jets, growth))
     return CornerFunctions(tuple(parts))
 
 
@@ -250,6 +265,40 @@ def terms_at(
 
 def _is_whole(rate: float) -> bool:
     return abs(rate - round(rate)) < WHOLE
+
+
+def bends(corner: PlaneCorner, jets: LeafJets) -> tuple[Bend, ...]:
+    """Factors of both leaves by which leaf coordinates are conformal to second order; none where edges are straight.
+
+    In the directions t, n of the first edge u = x + Re(c z**2) and v = y + Im(c z**2), z = x + i*y: along each edge the
+    second order of its leaf is given, which makes c; what is left of it is the leaf times something linear.
+    """
+    (t, s), alpha = corner.edges, corner.angle
+    normals = np.array(corner.gradients)
+    lengths = np.hypot(*normals.T)
+    n, m = normals / lengths[:, None]
+    xx, xy, yy = jets.at(np.array([corner.point]))[:, 3:, 0].T / (2 * lengths)
+    bent = np.stack([xx, xy, xy, yy], axis=-1).reshape(2, 2, 2)  # of both leaves
+    if not np.abs(bent).max() * corner.reach > STRAIGHT:
+        return ()
+    # Re z**2 and Im z**2 as forms.
+    real, imaginary = np.outer(t, t) - np.outer(n, n), np.outer(t, n) + np.outer(n, t)
+    down = t @ bent[0] @ t
+    if corner.is_flat:  # u stands for the second leaf
+        along, (s, m) = 0.0, (n, t)
+        second = -down * imaginary
+    else:
+        along = -(s @ bent[1] @ s + down * math.cos(alpha)) / math.sin(alpha)
+        u, v = along * real - down * imaginary, down * real + along * imaginary
+        second = u * math.sin(alpha) - v * math.cos(alpha)
+    rests = down * real + along * imaginary - bent[0], second - bent[1]
+    slopes = [
+        2 * (edge @ rest @ normal) * edge + (normal @ rest @ normal) * normal
+        for rest, edge, normal in zip(rests, (t, s), (n, m), strict=True)
+    ]
+    if max(np.hypot(*slope) for slope in slopes) * corner.reach > MOST_BENT:
+        return ()
+    return tuple(Bend(corner.point, (float(p), float(q))) for p, q in slopes)
 
 
 def _radius(corner: PlaneCorner, jets: LeafJets) -> float:

@@ -10,7 +10,8 @@ import sympy as sp
 from rsym.logic.sign_form import shape_form
 from rsym.model.shape import Shape
 from rsym.problems.corners.corner_functions import CornerFunctions, LocalFunctions, Term
-from rsym.problems.corners.leaf_jets import StraightEdge
+from rsym.problems.corners.growth import MOST, Growth
+from rsym.problems.corners.leaf_jets import Bend, StraightEdge
 from rsym.program.raising import raised
 
 LARGEST = 24  # denominator of a part of pi that an angle is taken for
@@ -42,12 +43,28 @@ def formulas(shape: Shape, functions: CornerFunctions) -> tuple[sp.Expr, ...]:
             raised(form.builder.nodes, form.leaves[leaf]) if line is None else _tangent(line, u, v)
             for leaf, line in zip(part.corner.leaves, part.corner.lines, strict=True)
         )
-        away = (u - _number(part.corner.point[0])) ** 2 + (v - _number(part.corner.point[1])) ** 2
-        found += _of_corner(part, first, second, away)
+        away = u - _number(part.corner.point[0]), v - _number(part.corner.point[1])
+        if part.jets.bends:
+            first, second = (
+                leaf * _bend(bend, *away) for leaf, bend in zip((first, second), part.jets.bends, strict=True)
+            )
+        grown = sp.S.One if part.growth is None else _growth(part.growth, *away)
+        found += _of_corner(part, first, second, away[0] ** 2 + away[1] ** 2, grown)
     return tuple(found)
 
 
-def _of_corner(part: LocalFunctions, first: sp.Expr, second: sp.Expr, away: sp.Expr) -> list[sp.Expr]:
+def _bend(bend: Bend, x: sp.Expr, y: sp.Expr) -> sp.Expr:
+    s = _number(bend.slope[0]) * x + _number(bend.slope[1]) * y
+    return 1 + s / sp.sqrt(1 + 4 * s**2)
+
+
+def _growth(growth: Growth, x: sp.Expr, y: sp.Expr) -> sp.Expr:
+    (p, q), (xx, xy, yy) = (map(_number, numbers) for numbers in (growth.slope, growth.bend))
+    log = p * x + q * y + (xx * x**2 + 2 * xy * x * y + yy * y**2) / 2
+    return sp.exp(log / sp.sqrt(1 + (log / sp.Rational(MOST)) ** 2))
+
+
+def _of_corner(part: LocalFunctions, first: sp.Expr, second: sp.Expr, away: sp.Expr, grown: sp.Expr) -> list[sp.Expr]:
     corner, alpha = part.corner, _angle(part.corner.angle)
     v, w = (leaf / _number(math.hypot(*slope)) for leaf, slope in zip((first, second), corner.gradients, strict=True))
     u = second if corner.is_flat else (w + v * sp.cos(alpha)) / sp.sin(alpha)
@@ -60,7 +77,7 @@ def _of_corner(part: LocalFunctions, first: sp.Expr, second: sp.Expr, away: sp.E
         inside += [(-theta, 0), (theta, alpha)]
     found = []
     for term in part.terms:
-        value = factor * _term(term, alpha, squared, v, alpha - theta if part.turned else theta, theta)
+        value = grown * factor * _term(term, alpha, squared, v, alpha - theta if part.turned else theta, theta)
         for small, large in inside:
             value = sp.Piecewise((value, small < large), (0, True))
         found.append(value)

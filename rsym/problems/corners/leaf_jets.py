@@ -1,4 +1,4 @@
-"""Leaves of a plane shape with their derivatives to the second, at points."""
+"""Leaves of a plane shape with their derivatives to the second, at points, and what bends them beside a corner."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
+from rsym.problems.splines.cardinals import multiplied
 from rsym.program.differentiation import derivative
 
 FEW = 12  # leaves that are compiled; a tape takes twice as long at each point
@@ -23,6 +24,22 @@ class StraightEdge(NamedTuple):
 
     point: tuple[float, float]
     slope: tuple[float, float]
+
+
+class Bend(NamedTuple):
+    """A factor of a leaf about a point d away: 1 + s/sqrt(1 + 4 s^2), s = slope . d, between 1/2 and 3/2."""
+
+    point: tuple[float, float]
+    slope: tuple[float, float]
+
+    def at(self, places: Floats) -> Floats:
+        """Its derivatives (6, n) at points (n, 2), as those of leaves."""
+        slope = np.array(self.slope)
+        s = (places - self.point) @ slope
+        root = 1 / np.sqrt(1 + 4 * s * s)
+        first, second = root**3, -12 * s * root**5
+        (p, q) = slope
+        return np.stack([1 + s * root, p * first, q * first, p * p * second, p * q * second, q * q * second])
 
 
 @dataclass(frozen=True)
@@ -42,6 +59,7 @@ class LeafJets:
     rows: tuple[int, ...]
     letters: Mapping[str, float]
     lines: tuple[StraightEdge | None, ...] = ()
+    bends: tuple[Bend, ...] = ()
 
     def at(self, places: Floats) -> Floats:
         """Value, both first and the three second derivatives xx, xy, yy at points (n, 2): (leaves, 6, n)."""
@@ -56,6 +74,8 @@ class LeafJets:
                 row[:] = 0.0
                 row[0] = (places - line.point) @ slope
                 row[1:3] = slope[:, None]
+        for row, bend in zip(found, self.bends, strict=False):
+            row[:] = multiplied(row, bend.at(places), 2, 2)
         return found
 
 

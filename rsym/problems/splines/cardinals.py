@@ -82,6 +82,20 @@ def product_terms(dimension: int, order: int) -> tuple[ProductTerm, ...]:
     return tuple(found)
 
 
+def multiplied(one: Floats, other: Floats, dimension: int, order: int) -> Floats:
+    """The derivatives (kinds, ...) up to an order of a product, of those of both factors, which broadcast.
+
+    Examples
+    --------
+    >>> multiplied(np.array([2.0, 1.0, 0.0]), np.array([3.0, 0.0, 5.0]), 2, 1).tolist()
+    [6.0, 3.0, 10.0]
+    """
+    found = np.zeros(np.broadcast_shapes(one.shape, other.shape))
+    for term in product_terms(dimension, order):
+        found[term.whole] += term.times * one[term.left] * other[term.right]
+    return found
+
+
 @cache
 def digits(count: int, dimension: int) -> Ints:
     """The indices (count**dimension, dimension) of a cube of so many on each side, the last coordinate fastest."""

@@ -15,6 +15,7 @@ from rsym import x, y
 from rsym.problems.corners.corner_functions import corner_functions
 from rsym.problems.corners.corners import corners
 from rsym.problems.corners.formulas import formulas
+from rsym.problems.corners.growth import Growth
 
 ELL = rsym.Shape(rsym.conjunction(1 - x, 1 + x, 1 - y, 1 + y, rsym.disjunction(-x, y)), (x, y))
 LENS = rsym.disc(1) & rsym.disc(1, (1, 0))
@@ -56,8 +57,14 @@ def formula(part, term, f, g):
     corner, (p, q) = part.corner, (mp.hypot(*slope) for slope in part.corner.gradients)
     alpha, radius = mp.mpf(corner.angle), mp.mpf(part.radius)
 
+    bends = [bend.slope for bend in part.jets.bends] or [(0, 0), (0, 0)]
+
+    def bent(leaf, slope, x, y):
+        s = slope[0] * (x - corner.point[0]) + slope[1] * (y - corner.point[1])
+        return leaf(x, y) * (1 + s / mp.sqrt(1 + 4 * s * s))
+
     def function(x, y):
-        v, w = f(x, y) / p, g(x, y) / q
+        v, w = bent(f, bends[0], x, y) / p, bent(g, bends[1], x, y) / q
         u = (w + v * mp.cos(alpha)) / mp.sin(alpha)
         r, theta = mp.hypot(u, v), mp.atan2(v, u)
         theta += 2 * mp.pi if theta < alpha / 2 - mp.pi else 0
@@ -130,6 +137,35 @@ def test_on_straight_edges_they_are_exactly_zero_and_harmonic():
     assert_allclose(laplacians[:, loaded], -1, rtol=1e-12)
 
 
+@pytest.mark.parametrize("shape", [BOTH, CAP, rsym.disc(1) & (rsym.half_plane((0, 1), 0) | rsym.disc(0.5, (0.25, 0)))])
+def test_at_curved_edges_they_are_harmonic_but_for_two_orders_more(shape):
+    """Leaf coordinates alone stretch in all directions alike but for one."""
+    for corner in corners(shape):
+        found = corner_functions(shape, [corner], terms=2, levels=1, load=False)
+        exponents = np.array([term.exponent for term in found.terms])
+        across = np.array([-corner.edges[0][1], corner.edges[0][0]])
+        ways = [math.cos(t) * corner.edges[0] + math.sin(t) * across for t in np.linspace(0.2, 0.8, 4) * corner.angle]
+        far, near = (np.abs(found.at(corner.point + r * np.array(ways))[2]).max(axis=0) for r in (1e-3, 1e-5))
+        assert (near <= 1.2 * 100.0**-exponents * far).all()
+
+
+@pytest.mark.parametrize("growth", [Growth((1.0, -3.0), (0.5, 2.0, -1.0))])
+def test_a_factor_has_its_derivatives(growth):
+    points = np.random.default_rng(5).uniform(-2, 2, (6, 2))
+
+    def function(x, y):
+        (p, q), (xx, xy, yy) = growth.slope, growth.bend
+        log = p * x + q * y + (xx * x * x + 2 * xy * x * y + yy * y * y) / 2
+        return mp.exp(log / mp.sqrt(1 + log**2 / 16))
+
+    wanted = [
+        [mp.diff(function, (mp.mpf(u), mp.mpf(v)), order) if any(order) else function(u, v) for u, v in points]
+        for order in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    ]
+    assert_allclose(growth.at(points, 2), np.array(wanted, float), rtol=1e-9, atol=1e-9)
+    assert_allclose(growth.at(points, 1), np.array(wanted, float)[:3], rtol=1e-9, atol=1e-9)
+
+
 def test_beyond_their_radius_and_reach_there_is_nothing():
     for shape in (ELL, LENS, BOTH, CAP):
         for corner in corners(shape):
@@ -180,7 +216,9 @@ CROSS = rsym.Shape(rsym.exclusive_or(x, y), (x, y), bounds=((-1, 1), (-1, 1)))
 
 @pytest.mark.parametrize(("shape", "natural"), [(ELL, ()), (BOTH, (0,)), (CROSS, ())])
 def test_as_expressions_they_have_the_same_values_and_derivatives(shape, natural):
-    found = corner_functions(shape, corners(shape)[-3:], natural, terms=3, levels=2)
+    chosen = corners(shape)[-3:]
+    growths = [None, *[Growth((1.0, -2.0), (0.5, 0.25, -1.0))] * (len(chosen) - 1)]
+    found = corner_functions(shape, chosen, natural, terms=3, levels=2, growths=growths)
     points = np.random.default_rng(1).uniform(-1, 1, (300, 2))
     values = found.derivatives(points, 2)
     expressions = formulas(shape, found)
