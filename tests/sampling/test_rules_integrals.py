@@ -6,6 +6,7 @@ import pickle
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.integrate import quad
 
 import rsym
 from rsym import conjunction, x, y, z
@@ -184,3 +185,41 @@ def test_errors_of_singular_functions_are_about_as_large_as_stated(shape, functi
     """They were up to 15 times as large: differences that fall slowly add up."""
     found = rsym.integrate(function, shape, tolerance=tolerance)
     assert abs(found - exact) < 2 * found.error < 1
+
+
+SQUARE = x**2 + y**2
+ASTROID = rsym.Shape(-((SQUARE - 1) ** 3) - 27 * x**2 * y**2, (x, y), bounds=((-1.1, 1.1),) * 2)
+NEPHROID = rsym.Shape(108 * y**2 - (SQUARE - 4) ** 3, (x, y), bounds=((-4.5, 4.5),) * 2)
+CARDIOID = rsym.Shape(4 * y**2 - 4 * x * SQUARE - SQUARE**2, (x, y), bounds=((-5, 2), (-4, 4)))
+HORN = rsym.Shape(conjunction(x**3 - y, x**3 + y, 1 - x), (x, y), bounds=((-0.5, 1.5), (-1.5, 1.5)))
+HORN_LENGTH = 2 + 2 * quad(lambda t: math.sqrt(1 + 9 * t**4), 0, 1, epsabs=1e-13)[0]
+
+
+@pytest.mark.parametrize(
+    ("shape", "area", "length", "most"),
+    [
+        (ASTROID, 3 * math.pi / 8, 6, 1e-7),
+        (NEPHROID, 12 * math.pi, 24, 1e-6),
+        (CARDIOID, 6 * math.pi, 16, 1e-7),
+        (CARDIOID.translate(0.123, 0.0456), 6 * math.pi, 16, 1e-4),  # the equation is noise next to its cusp
+        (HORN.rotate(0.3), 0.5, HORN_LENGTH, 1e-3),  # leaves that touch in a third order
+    ],
+)
+def test_what_is_lost_next_to_cusps_is_told(shape, area, length, most):
+    """Lengths were off up to 80 times what was stated, and nothing was warned of."""
+    with pytest.warns(rsym.RsymWarning, match="not resolved where its boundary has cusps"):
+        found = rsym.measure(shape)
+    assert abs(found.length - length) < found.length.error < most
+    assert abs(found.area - area) < found.area.error < most
+
+
+def test_thin_shapes_are_resolved_and_know_their_rounding():
+    thin = rsym.Shape(1 - (x / 6) ** 2 - (10 * y) ** 2, (x, y)).rotate(0.7)
+    found = rsym.measure(thin, bounds=((-5, 5),) * 2)
+    assert close(found.area, 6 * math.pi / 10)
+    assert close(found.length, 24 * float(sp.elliptic_e(1 - sp.Rational(1, 60) ** 2)), 1e-11)
+    ring = rsym.measure(rsym.disc(1) - rsym.disc(1 - 1e-6))
+    assert abs(ring.area - math.pi * (2e-6 - 1e-12)) < ring.area.error < 1e-14
+    assert abs(ring.length - 2 * math.pi * (2 - 1e-6)) < ring.length.error < 1e-12
+    flat = rsym.measure(rsym.disc(1) - rsym.disc(0.5, (0.5 + 1e-7, 0)))  # they cross in an angle of 5e-4
+    assert abs(flat.length - 9.422989106551829) < flat.length.error < 1e-11

@@ -77,3 +77,28 @@ def test_two_leaves_on_one_surface_are_one(shape, content, boundary, order):
     assert abs(rule.weights.sum() - content) < 1e-6
     assert abs(rule.boundary.weights.sum() - boundary) < 1e-5
     assert rule.unresolved < 1e-12
+
+
+BALL = rsym.sphere(1)
+CORNER = rsym.box(1, 1, 1) - rsym.box(0.5, 0.5, 0.5, (0.25, 0.25, 0.25))
+ROW = rsym.box(1, 1, 1) | rsym.box(1, 1, 1, (1, 0.25, 0.3))
+
+
+@pytest.mark.parametrize(
+    ("shape", "volume", "surface", "order", "relative"),
+    [
+        (BALL - rsym.sphere(0.99), 4 * math.pi / 3 * (1 - 0.99**3), 4 * math.pi * (1 + 0.99**2), 8, 1e-7),
+        (BALL - rsym.sphere(0.9999), 4 * math.pi / 3 * (1 - 0.9999**3), 4 * math.pi * (1 + 0.9999**2), 8, 1e-6),
+        # Viviani's body: a cylinder that touches the ball within.
+        (BALL & rsym.cylinder(0.5, centre=(0.5, 0, 0)), 2 * math.pi / 3 - 8 / 9, 2 * math.pi, 6, 1e-4),
+        (CORNER.rotate(0.37).rotate(0.21, x).rotate(0.53, y), 7 / 8, 6, 2, 1e-13),
+        (ROW.rotate(0.37).rotate(0.21, x).rotate(0.53, y), 2, 10.95, 2, 1e-13),
+    ],
+)
+def test_thin_tangent_and_turned_bodies_are_resolved_by_few_points(shape, volume, surface, order, relative):
+    """Nothing was known of shells and tangent bodies, and turned boxes were parted into thousands of pieces a cell."""
+    rule = rsym.quadrature(shape, cells=4, order=order)
+    assert rule.unresolved < 1e-12
+    assert abs(rule.weights.sum() / volume - 1) < relative
+    assert abs(rule.boundary.weights.sum() / surface - 1) < relative
+    assert len(rule.weights) < 5000 * order**3

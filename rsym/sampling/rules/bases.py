@@ -142,7 +142,8 @@ class _Bases:
         places = np.concatenate([meetings(curves, brackets), middles])
         unsharp = 0.0
         if functions.gates is not None:
-            _, slopes = curves.evaluate(found, places)
+            apart, slopes = curves.evaluate(found, places)
+            slopes = slopes[np.abs(apart) <= SAME * functions.tolerance]  # of what only came close nothing is lost
             with np.errstate(divide="ignore"):
                 unsharp = np.fmin(ROUNDED * functions.tolerance / np.abs(slopes), np.sqrt(functions.tolerance)).sum()
         return own[found], places, float(unsharp)

@@ -21,6 +21,7 @@ from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
 
 LIMITS = Limits(4, 40, 3.0, 64)
 FACE, GAP = 0, 1
+SMALL = 0.3  # of the base of a piece: a quarter
 
 
 def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, Unresolved]:
@@ -208,11 +209,30 @@ class BaseFunctions:
             middle, half = low / 2 + high / 2, (high - low) / 2
             one, other = (self._climbs(k, leaf[gap], low, high, half) for k in (0, 1))
             bounds = np.stack([one[:, 0] - other[:, 1], one[:, 1] - other[:, 0]], axis=1)
-            between, _ = self.evaluate(leaf[gap], middle)
+            between, slope = self.evaluate(leaf[gap], middle)
             reach = (np.abs(bounds).max(axis=1) * half).sum(axis=0)
-            value[:, gap] = between - reach, between + reach
+            value[:, gap] = self._beside(leaf[gap], middle, half, between, slope, reach)
             gradient[:, :, gap] = bounds
         return value, gradient
+
+    def _beside(self, which: Ints, middle: Floats, half: Floats, value: Floats, slope: Floats, reach: Floats) -> Floats:
+        """Bounds (2, n) of gaps over boxes: by bounds of their slopes, or an estimate for leaves that run side by side.
+
+        Bounds of both slopes know nothing of each other, so in a small part of a piece the slopes in the middle and at
+        the corners stand for them, differences taken twice: thin shells would be parted for ever.
+        """
+        found = np.stack([value - reach, value + reach])
+        size = (self.cells.upper - self.cells.lower)[:, self.piece[which]].max(axis=0)
+        open_ones = (found[0] < self.tolerance) & (found[1] > self.tolerance) & (2 * half.max(axis=0) < SMALL * size)
+        some = np.flatnonzero(open_ones & (np.abs(value) > 2 * (np.abs(slope) * half).sum(axis=0)))
+        if len(some):
+            corner = np.array([[-1, -1, 1, 1], [-1, 1, -1, 1]])[:, :, None] * half[:, None, some]
+            places = (middle[:, None, some] + corner).reshape(2, -1)
+            _, slopes = self.evaluate(np.tile(which[some], 4), places)
+            turned = np.abs(slopes.reshape(2, 4, -1) - slope[:, None, some]).max(axis=1)
+            least = ((np.abs(slope[:, some]) + turned) * half[:, some]).sum(axis=0)
+            found[:, some] = value[some] - np.minimum(reach[some], least), value[some] + np.minimum(reach[some], least)
+        return found
 
     def _climbs(self, number: int, which: Ints, lower: Floats, upper: Floats, half: Floats) -> Floats:
         """Bounds (2, 2, n) of the gradients of the heights of the leaves of gaps over boxes.
