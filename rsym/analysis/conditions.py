@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, TypeAlias
 
 import sympy as sp
@@ -11,6 +11,8 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import number
 from rsym.model.equation import Equation
+from rsym.model.letters import Letters
+from rsym.model.shape import Shape
 
 # A number or an expression in coordinates and letters; a shape, for omega; or, for those who can use one, a function.
 Value: TypeAlias = sp.Expr | Equation | Callable[..., Any]
@@ -65,11 +67,12 @@ class Supported(BoundaryCondition):
 
 @dataclass(frozen=True)
 class Switched(BoundaryCondition):
-    """One condition where an expression is positive, another elsewhere on the part."""
+    """One condition where an expression is positive, another elsewhere on the part; `letters`: those of a shape."""
 
     where: sp.Expr
     inside: BoundaryCondition
     outside: BoundaryCondition
+    letters: Letters = field(default_factory=lambda: Letters({}), repr=False)
 
     @property
     def values(self) -> tuple[Value, ...]:
@@ -225,7 +228,8 @@ def switched(where: Any, inside: Any, outside: Any) -> Switched:
     ----------
     where : Shape or expression
         Positive where the first holds. It may cut an edge anywhere but along it. The sign alone matters: where it is
-        steep, as tanh(100*x), straight lines through the same places stand for it.
+        steep, as tanh(100*x), straight lines through the same places stand for it. Letters of a shape that are not
+        letters of that which is solved on become letters there.
     inside, outside : values, ``rsym.robin(c, h)`` or ``rsym.neumann(h)``
         Both for parts of the boundary of a shape in the plane.
 
@@ -242,6 +246,7 @@ def switched(where: Any, inside: Any, outside: Any) -> Switched:
     """
     both = as_condition(inside), as_condition(outside)
     expression = where.expression if isinstance(where, Equation) else number(where, "where conditions change")
+    letters = where.letters if isinstance(where, Shape) else Letters({})
     for one in both:
         if not isinstance(one, Dirichlet | Robin):
             raise RsymError(
@@ -249,7 +254,7 @@ def switched(where: Any, inside: Any, outside: Any) -> Switched:
                 code="condition",
                 remedy="rsym.switched(half, 0, rsym.neumann())",
             )
-    return Switched(expression, *both)
+    return Switched(expression, *both, letters)
 
 
 def as_condition(given: Any) -> BoundaryCondition:

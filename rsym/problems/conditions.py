@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from rsym.analysis.conditions import BoundaryCondition, UnknownLevel, as_condition
+from rsym.analysis.conditions import BoundaryCondition, Switched, UnknownLevel, as_condition
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.arguments import default
@@ -103,6 +103,13 @@ def assigned(shape: Shape, names: Collection[Name]) -> tuple[Name, ...]:
                 remedy="leave one of them out",
             )
     return tuple(chosen)
+
+
+def with_letters_of(shape: Shape, conditions: Any) -> Shape:
+    """The shape with the letters, too, of shapes that tell where its conditions change."""
+    given = conditions.values() if isinstance(conditions, Mapping) else [conditions]
+    more = {name: letter for one in given if isinstance(one, Switched) for name, letter in one.letters.items()}
+    return shape.replace(letters={**more, **shape.letters}) if more.keys() - shape.letters.keys() else shape
 
 
 def given_by_name(

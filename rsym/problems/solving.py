@@ -17,7 +17,7 @@ from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.conditions import given_by_name
+from rsym.problems.conditions import given_by_name, with_letters_of
 from rsym.problems.equations import equation_of
 from rsym.problems.peaks import of_problem, unseen
 from rsym.problems.places import relettered
@@ -167,7 +167,7 @@ def problem_of(
             code="unknown-letter",
             remedy="rename the letter",
         )
-    shape, named = lettered(shape, letters)
+    shape, named = lettered(with_letters_of(shape, conditions), letters)
     found = equation_of(equation, shape.coordinates, named)
     turned = turned_about(shape, axis)
     named_conditions = given_by_name(shape, conditions)

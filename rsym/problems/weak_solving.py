@@ -9,7 +9,7 @@ from rsym.analysis.conditions import Robin, Switched, neumann
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.problems.conditions import given_by_name
+from rsym.problems.conditions import given_by_name, with_letters_of
 from rsym.problems.plates import require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem
@@ -81,7 +81,7 @@ def solve_form(
     (np.True_, np.True_)
     """
     require_shape(shape)
-    shape, named = lettered(shape, letters)
+    shape, named = lettered(with_letters_of(shape, conditions), letters)
     turned = turned_about(shape, axis)
     form = weak_form(shape, a, l, named, None if turned < 0 else turned)
     values = given_by_name(shape, {} if conditions is None else conditions)

@@ -212,6 +212,23 @@ def test_two_places_on_one_edge_with_letters():
     assert rsym.modes(shape, 1, held | {"top": rsym.neumann()}, cells=12).values[0] > 0.1
 
 
+def test_letters_of_what_tells_where_conditions_change_are_letters_of_the_problem():
+    a = sp.Symbol("a", real=True)
+    half = rsym.Shape(a - x, (x, y), letters={a: 0.25})
+
+    def solved(where, letters=None):
+        return rsym.solve(
+            BOX, "-laplacian(u) = 1", {"low": rsym.switched(where, 0, rsym.neumann())}, cells=8, letters=letters
+        )
+
+    found, wanted = solved(half), solved(0.25 - x)
+    assert found(0.3, 0.4) == pytest.approx(wanted(0.3, 0.4), rel=1e-12)
+    moved = solved(-0.5 - x)(0.3, 0.4)
+    assert found.with_letters({"a": -0.5})(0.3, 0.4) == pytest.approx(moved, rel=1e-12)
+    assert solved(half, {"a": -0.5})(0.3, 0.4) == pytest.approx(moved, rel=1e-12)
+    assert pickle.loads(pickle.dumps(found))(0.3, 0.4) == found(0.3, 0.4)
+
+
 @pytest.mark.parametrize(
     ("ask", "message"),
     [
