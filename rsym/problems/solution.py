@@ -227,11 +227,16 @@ class Solution:
 
     # -- numbers -----------------------------------------------------------------------------------------------------
 
-    def integral(self) -> float:
-        """The integral over the shape; about an axis that over the body in space, 2 pi and the radius in it."""
+    def integral(self, functions: BesideAt | None = None) -> float:
+        """The integral over the shape; about an axis that over the body in space, 2 pi and the radius in it.
+
+        functions : those beside splines, if they are known at the points of the rule.
+        """
         points = self.rule.points
         turn = 1.0 if self.problem.axis < 0 else 2 * np.pi
-        return float(turn * np.sum(self.rule.weights * self.problem.radius(points) * self.jets(points, 0)[0]))
+        return float(
+            turn * np.sum(self.rule.weights * self.problem.radius(points) * self.jets(points, 0, functions)[0])
+        )
 
     def flux(self, part: str | None = None) -> float:
         """The flux through a part of the boundary, outwards: the integral of k du/dn; of all of it without a name.
