@@ -319,7 +319,7 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 def rule_order(problem: Problem, cells: int, degree: int) -> int:
     """How many points a rule has along each direction of a cell."""
-    plain = problem.dimension == 2 and (problem.corners is None or not len(problem.corners.functions))
+    plain = problem.dimension == 2 and not problem.has_corners
     return degree + (MORE_ON_FEW if plain and cells <= FEW_CELLS else MORE_POINTS)
 
 
