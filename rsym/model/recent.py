@@ -31,6 +31,21 @@ def written(shape: Any) -> tuple[Any, ...]:
     return id(shape.expression), tuple(map(id, shape.coordinates)), tuple(shape.letters), parts
 
 
+def placed(shape: Any) -> tuple[Any, ...]:
+    """What a shape says, its bounds and the values of its letters.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y
+    >>> a = sp.Symbol("a", real=True)
+    >>> one = rsym.Shape(x - a * y, (x, y), letters={a: 1})
+    >>> placed(one) == placed(one.with_letters({"a": 1})), placed(one) == placed(one.with_letters({"a": 2}))
+    (True, False)
+    """
+    return written(shape), shape.bounds, tuple(shape.letters.values_with(None).items())
+
+
 def recently(
     size: int, told: Callable[[Any], Any] = id
 ) -> Callable[[Callable[Concatenate[S, P], T]], Callable[Concatenate[S, P], T]]:

@@ -10,6 +10,7 @@ import numpy as np
 from rsym.arrays import Ints
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
+from rsym.model.recent import placed, recently
 from rsym.model.shape import Shape
 from rsym.sampling.contours import level_lines
 from rsym.sampling.extent import extent
@@ -27,6 +28,7 @@ class BoundaryLoop(NamedTuple):
     hole: bool
 
 
+@recently(16, placed)
 def loops_of(shape: Shape, axis: Collection[int] = ()) -> tuple[BoundaryLoop, ...]:
     """The curves of the boundary, as a lattice shows them; without leaves on an axis the pieces that are left.
 

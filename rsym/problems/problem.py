@@ -231,6 +231,11 @@ class Problem:
         """How many functions there are beside the splines: levels, then those of corners."""
         return len(self.levels) + (0 if self.corners is None else len(self.corners.functions))
 
+    @property
+    def has_corners(self) -> bool:
+        """Whether functions of corners are among them."""
+        return self.corners is not None and len(self.corners.functions) > 0
+
     def extras(self, points: Floats, order: int) -> Floats:
         """Their derivatives (kinds, functions, n)."""
         found = np.zeros((len(derivatives(self.dimension, order)), self.extra_count, len(points)))

@@ -227,11 +227,16 @@ class Solution:
 
     # -- numbers -----------------------------------------------------------------------------------------------------
 
-    def integral(self) -> float:
-        """The integral over the shape; about an axis that over the body in space, 2 pi and the radius in it."""
+    def integral(self, functions: BesideAt | None = None) -> float:
+        """The integral over the shape; about an axis that over the body in space, 2 pi and the radius in it.
+
+        functions : those beside splines, if they are known at the points of the rule.
+        """
         points = self.rule.points
         turn = 1.0 if self.problem.axis < 0 else 2 * np.pi
-        return float(turn * np.sum(self.rule.weights * self.problem.radius(points) * self.jets(points, 0)[0]))
+        return float(
+            turn * np.sum(self.rule.weights * self.problem.radius(points) * self.jets(points, 0, functions)[0])
+        )
 
     def flux(self, part: str | None = None) -> float:
         """The flux through a part of the boundary, outwards: the integral of k du/dn; of all of it without a name.
@@ -314,7 +319,7 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
 
 def rule_order(problem: Problem, cells: int, degree: int) -> int:
     """How many points a rule has along each direction of a cell."""
-    plain = problem.dimension == 2 and (problem.corners is None or not len(problem.corners.functions))
+    plain = problem.dimension == 2 and not problem.has_corners
     return degree + (MORE_ON_FEW if plain and cells <= FEW_CELLS else MORE_POINTS)
 
 

@@ -136,7 +136,7 @@ def answered(
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 
     wanted = TOLERANCE if tolerance is None else tolerance
-    found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
+    found, grades = refined(attempt, problem.dimension, degree, tolerance, progress, beside=problem.has_corners)
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)
     return with_rule(replace(found, report=told), found.rule)
 

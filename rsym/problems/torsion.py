@@ -16,7 +16,7 @@ from rsym.model.shape import Shape
 from rsym.problems.equations import equation_of
 from rsym.problems.loops import loops_of
 from rsym.problems.places import relettered
-from rsym.problems.problem import Problem, with_corners
+from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import Grade, last_degree, observed_order, refined
 from rsym.problems.solution import Attained, Solution, rule_for, rule_order, solved
 from rsym.problems.solving import checked_degree
@@ -181,7 +181,8 @@ def _torsion(problem: Problem, cells: int, degree: int) -> Torsion:
     # The outward normals of the section point into its holes: Gauss.
     around = np.sum(boundary.weights[:, None] * boundary.points * boundary.normals, axis=1) / 2
     areas = tuple(float(-np.sum(around[np.isin(boundary.leaves, hole)])) for hole in problem.levels)
-    solution = solved(replace(problem, flows=tuple(2 * area for area in areas)), rule, cells, degree)
+    functions = beside_at(problem, rule.points)
+    solution = solved(replace(problem, flows=tuple(2 * area for area in areas)), rule, cells, degree, functions)
     levels = tuple(float(one) for one in solution.others[: len(problem.levels)])
     held = sum(level * area for level, area in zip(levels, areas, strict=True))
-    return Torsion(solution, 2 * (solution.integral() + held), levels, areas)
+    return Torsion(solution, 2 * (solution.integral(functions) + held), levels, areas)

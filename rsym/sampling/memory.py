@@ -13,6 +13,8 @@ from rsym.errors import RsymError
 
 # Of the free memory, what a resolution that is said to fit may take: others take some too.
 SURE = 0.9
+# Bytes that are taken without asking: what is free stands in a dozen files.
+FEW = float(1 << 24)
 
 
 def free_memory(root: Path = Path("/")) -> float:
@@ -156,8 +158,11 @@ remedy: resolution 8049 fits, or force=True, on the command line --force, to go 
         self, resolution: int | Sequence[int], counts: Sequence[int], *, force: bool | None = False, free: float = -1.0
     ) -> None:
         """Refuse samples that do not fit, unless forced; None where the caller cannot be."""
-        samples, free = math.prod(counts), free_memory() if free < 0 else free
-        if force or samples * self.memory <= free:
+        samples = math.prod(counts)
+        if force or (free < 0 and samples * self.memory <= FEW):
+            return
+        free = free_memory() if free < 0 else free
+        if samples * self.memory <= free:
             return
         fits = scaled(resolution, SURE * (free / (samples * self.memory)) ** (1 / len(counts)))
         raise refusal(resolution, fits, samples * self.memory, samples * self.time, free, force=force is not None)

@@ -12,6 +12,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
+from rsym.model.recent import placed, recently
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.corners.common_zeros import CommonZero, common_zeros
@@ -153,6 +154,7 @@ def corners(shape: Shape, letters: Mapping[Any, float] | None = None, bounds: An
     return found
 
 
+@recently(16, placed)
 def surveyed_corners(
     shape: Shape, letters: Mapping[Any, float] | None = None, bounds: Any = None
 ) -> tuple[tuple[PlaneCorner, ...], tuple[RsymError, ...]]:
