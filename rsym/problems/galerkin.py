@@ -21,7 +21,7 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.symbols import real_symbol
 from rsym.problems.plates import bending
-from rsym.problems.pointwise import first_place, formulas, require_numbers
+from rsym.problems.pointwise import defined, first_place, formulas, require_numbers
 from rsym.problems.problem import Problem, on_part, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines, web_splines
@@ -308,7 +308,6 @@ class Discretisation:
         values = value_at(self.problem.shape, density, self.rule.points) * self.rule.weights
         form = at_values(values * self.problem.radius(self.rule.points), self.kinds)
         own = self.assembler.matrix(self.inside, form, self.tests)
-
         return self._bordered(extended(self.splines, own), lambda: [(self.inside, form)], True)
 
     @cached_property
@@ -320,8 +319,9 @@ class Discretisation:
                 total = total + self.loads(part.where, part.load_at)
         lift = self.problem.lift(self.problem.order)
         if lift is not None:
+            given = defined("the value on the boundary, as it goes on inside,", lift)
             for where, form in self._forms():
-                total = total - self.loads(where, applied_form(form, _defined(lift)))
+                total = total - self.loads(where, applied_form(form, given))
         for number, flow in enumerate(self.problem.flows):
             total[0, total.shape[1] - self.extra_count + number] += flow
         right: Floats = total[0]
@@ -358,17 +358,6 @@ class Discretisation:
         across, among = inner @ columns[:active], columns[active:]
         down = across if symmetric else inner @ rows
         return sparse.bmat([[own, across], [down.T, among]], format="csr")
-
-
-def _defined(lift: Jets) -> Jets:
-    """The derivatives of a lift; refused where there are none."""
-
-    def found(points: Floats) -> Floats:
-        values = lift(points)
-        require_numbers("the value on the boundary, as it goes on inside,", values.sum(axis=0), points)
-        return values
-
-    return found
 
 
 def at_values(weights: Floats, kinds: int) -> FormAt:
