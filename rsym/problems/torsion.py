@@ -182,6 +182,6 @@ def _torsion(problem: Problem, cells: int, degree: int) -> Torsion:
     around = np.sum(boundary.weights[:, None] * boundary.points * boundary.normals, axis=1) / 2
     areas = tuple(float(-np.sum(around[np.isin(boundary.leaves, hole)])) for hole in problem.levels)
     solution = solved(replace(problem, flows=tuple(2 * area for area in areas)), rule, cells, degree)
-    levels = tuple(float(one) for one in solution.others[: len(problem.levels)])
+    levels = tuple(level for _, level in solution.levels)
     held = sum(level * area for level, area in zip(levels, areas, strict=True))
     return Torsion(solution, 2 * (solution.integral() + held), levels, areas)
