@@ -154,7 +154,7 @@ def constant(flow: Any = 0) -> UnknownLevel:
     """The condition that u has one value all over the part, which is not known; the integral of k du/dn over it is.
 
     Of a twisted shaft, -laplacian(u) = 2, the flow of a hole is twice its area. The curves that a part is made of have
-    a level each, and this flow each; in space the leaves.
+    a level each, and this flow each; in space the leaves. `Solution.levels` tells them.
 
     Parameters
     ----------
@@ -171,8 +171,8 @@ def constant(flow: Any = 0) -> UnknownLevel:
     >>> import rsym
     >>> ring = rsym.disc(1).named("rim") - rsym.disc(0.5).named("bore")
     >>> u = rsym.solve(ring, "-laplacian(u) = 2", {"rim": 0, "bore": rsym.constant(2 * 0.7853981633974483)}, cells=16)
-    >>> u([0, 0.5], [0.5, 0]).round(6).tolist(), round(u.flux("bore"), 5)
-    ([0.375, 0.375], 1.5708)
+    >>> u([0, 0.5], [0.5, 0]).round(6).tolist(), round(u.flux("bore"), 5), [name for name, level in u.levels]
+    ([0.375, 0.375], 1.5708, ['bore'])
     """
     return UnknownLevel(number(flow, "the flow"))
 

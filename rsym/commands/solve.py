@@ -59,5 +59,7 @@ def run(options: argparse.Namespace) -> None:
     print(found.report)
     for word, one in (("minimum", least), ("maximum", most)):
         print(f"  {word:<8}  {short(one.value, size)} at {point(one.point, 4, reach)}")
+    for name, level in found.levels:
+        print(f"  level     {short(level, size)} on {name}")
     print(f"  integral  {short(found.integral(), size * float(found.rule.weights.sum()))}")
     write_output(found, lambda: figure_of(plot_field(found)), options)

@@ -28,7 +28,7 @@ _REMEDIES = {
 # What is drawn by a function of its own.
 _DRAWN = {
     "Spectrum": "rsym.plot_modes draws it; one of its .modes is a field",
-    "ElasticSolution": "rsym.plot_deformation draws it",
+    "ElasticSolution": "rsym.plot_deformation draws it; its .shape is a shape",
 }
 
 

@@ -70,8 +70,7 @@ def level_layers(of: Shape | GivenField, levels: Any, resolution: int | Sequence
     >>> [layer.name for layer in level_layers(rsym.disc(1), [0, 0.25], 32).each]
     ['outline', 'omega=0.25']
     """
-    solved = isinstance(of, GivenField)
-    shape = of.shape if isinstance(of, GivenField) else of
+    shape, solved = (of.shape, True) if isinstance(of, GivenField) else (of, False)
     if shape.dimension != 2:
         raise RsymError(
             f"{' and '.join(LAYERS)} hold lines in the plane, and this is in space",
@@ -87,7 +86,7 @@ def level_layers(of: Shape | GivenField, levels: Any, resolution: int | Sequence
         raise RsymError(
             "the shape has no outline in its bounds", code="no-surface", remedy="widen them, or a larger resolution="
         )
-    chosen = _round_levels(of) if levels is None and solved else _numbers(levels)
+    chosen = _round_levels(of) if levels is None and isinstance(of, GivenField) else _numbers(levels)
     # The level 0 of omega is the outline, with its corners.
     wanted = [one for one in chosen if solved or one != 0]
     lines = level_lines(of, wanted, **fine) if wanted else ()

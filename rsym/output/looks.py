@@ -198,11 +198,12 @@ def _two_sided(values: Floats, whole: bool = False) -> Floats:
     """Round levels on both sides of 0, each spread over what is usual there; each side has its own."""
     finite = values[np.isfinite(values)]
     low, high = (
-        np.quantile(finite[side], share) for side, share in zip((finite < 0, finite > 0), ROBUST_RANGE, strict=True)
+        float(np.quantile(finite[side], share))
+        for side, share in zip((finite < 0, finite > 0), ROBUST_RANGE, strict=True)
     )
     if whole:
         low, high = _near(low, finite.min(), -low), _near(high, finite.max(), high)
-    return np.unique(np.concatenate([-_upto(-float(low)), _upto(float(high))])) + 0.0  # never -0
+    return np.unique(np.concatenate([-_upto(-low), _upto(high)])) + 0.0  # never -0
 
 
 def _between(low: float, high: float) -> Floats:
@@ -211,7 +212,7 @@ def _between(low: float, high: float) -> Floats:
         inner = np.concatenate([-_upto(-low), _upto(high)])
     else:
         inner = np.asarray(MaxNLocator(LEVEL_COUNT).tick_values(low, high))
-    return np.unique(np.concatenate([[low], inner[(inner > low) & (inner < high)], [high]]))
+    return np.unique(np.concatenate([[low], inner[(inner > low) & (inner < high)], [high]])) + 0.0
 
 
 def _upto(end: float) -> Floats:

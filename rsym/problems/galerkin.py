@@ -21,7 +21,7 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.model.symbols import real_symbol
 from rsym.problems.plates import bending
-from rsym.problems.pointwise import first_place, formulas, require_numbers
+from rsym.problems.pointwise import defined, first_place, formulas, require_numbers
 from rsym.problems.problem import Problem, beside_at, on_part, value_at
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.rules import splines_of
@@ -317,8 +317,9 @@ class Discretisation:
                 total = total + self.loads(part.where, part.load_at)
         lift = self.problem.lift(self.problem.order)
         if lift is not None:
+            given = defined("the value on the boundary, as it goes on inside,", lift)
             for where, form in self._forms():
-                total = total - self.loads(where, applied_form(form, _defined(lift)))
+                total = total - self.loads(where, applied_form(form, given))
         for number, flow in enumerate(self.problem.flows):
             total[0, total.shape[1] - self.extra_count + number] += flow
         right: Floats = total[0]
@@ -355,17 +356,6 @@ class Discretisation:
         across, among = inner @ columns[:active], columns[active:]
         down = across if symmetric else inner @ rows
         return sparse.bmat([[own, across], [down.T, among]], format="csr")
-
-
-def _defined(lift: Jets) -> Jets:
-    """The derivatives of a lift; refused where there are none."""
-
-    def found(points: Floats) -> Floats:
-        values = lift(points)
-        require_numbers("the value on the boundary, as it goes on inside,", values.sum(axis=0), points)
-        return values
-
-    return found
 
 
 def at_values(weights: Floats, kinds: int) -> FormAt:

@@ -124,3 +124,14 @@ def require_numbers(what: str, values: Floats, points: Floats) -> None:
             code="undefined",
             remedy="data are numbers all over the shape: Piecewise, Max or Abs where a root or logarithm ends",
         )
+
+
+def defined(what: str, function: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
+    """A function of points that gives (outputs, n), refused where one of these is undefined."""
+
+    def found(points: Floats) -> Floats:
+        values = function(points)
+        require_numbers(what, values.sum(axis=0), points)
+        return values
+
+    return found

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from rsym.analysis.conditions import Clamped, Dirichlet, Robin
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
+from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.corners.choice import ON_AXIS
@@ -119,6 +120,14 @@ class Solution:
     def shape(self) -> Shape:
         """What it is a field on, with the letters it was solved for as defaults."""
         return self.problem.shape
+
+    @property
+    def levels(self) -> tuple[tuple[str, float], ...]:
+        """Of each curve at a level that was not known, ``rsym.constant()``, what it is called, and the level."""
+        names = shape_leaf_names(self.shape)
+        return tuple(
+            (names[leaves[0]], float(level)) for leaves, level in zip(self.problem.levels, self.others, strict=False)
+        )
 
     @cached_property
     def rule(self) -> Quadrature:

@@ -183,6 +183,6 @@ def _torsion(problem: Problem, cells: int, degree: int) -> Torsion:
     areas = tuple(float(-np.sum(around[np.isin(boundary.leaves, hole)])) for hole in problem.levels)
     functions = beside_at(problem, rule.points)
     solution = solved(replace(problem, flows=tuple(2 * area for area in areas)), rule, cells, degree, functions)
-    levels = tuple(float(one) for one in solution.others[: len(problem.levels)])
+    levels = tuple(level for _, level in solution.levels)
     held = sum(level * area for level, area in zip(levels, areas, strict=True))
     return Torsion(solution, 2 * (solution.integral(functions) + held), levels, areas)

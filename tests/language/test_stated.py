@@ -58,7 +58,7 @@ def test_a_file_states_a_hollow_shaft(loaded):
     text = 'letter r = 0.5; rim = disc(1) "rim"; bore = disc(r) "bore"; omega = rfAND(rim, -bore); on rim = 0\n'
     found = loaded(text + "on bore = constant(2*pi*r^2); equation -laplacian(u) = 2").solve(cells=8)
     for solution, level in ((found, 0.375), (found.with_letters({"r": 0.4}), 0.42)):
-        assert solution.others[0] == pytest.approx(level, rel=1e-4)
+        assert solution.levels == (("bore", pytest.approx(level, rel=1e-4)),)
     with pytest.raises(RsymError, match="contains x, a coordinate") as caught:
         loaded(text + "on bore = constant(1 + x)")
     assert caught.value.where == "line 2, column 1"

@@ -222,6 +222,14 @@ def test_what_makes_no_sense_of_a_solution_says_what_does(ask):
         ask(ROUND)
 
 
+def test_coordinates_that_are_none_are_refused_as_by_kernels():
+    for coordinates, words in ((("a", 0), "real arrays, got str"), (([1, 2], [1, 2, 3]), "do not broadcast")):
+        with pytest.raises(rsym.RsymError, match=words):
+            ROUND(*coordinates)
+    with pytest.raises(rsym.RsymError, match="plot_modes draws it"):
+        rsym.plot_field(rsym.modes(rsym.disc(1), 1, cells=4, degree=2))
+
+
 def test_a_shaft_is_drawn_and_swept_as_its_function_is():
     tube = rsym.torsion(rsym.disc(1) - rsym.disc(r, letters={r: 0.5}), cells=12)
     with pytest.raises(rsym.RsymError, match=r"torsion\.with_letters"):
