@@ -10,8 +10,8 @@ In the order of the data:
 - `faces`: two triangles for each quad, and their flaws
 - `assembly`: these stages one after the other, a vertex for each patch; `pieces`: the same in pieces, on any executor,
   the same bits
-- `finishing`: the last stage, on the whole, moves vertices along edges; `edits` joins, cuts and stitches, `unfolding`
-  turns what still faces inwards; `clusters`: what hangs together
+- `finishing`: the last stage, on the whole: `untangling` moves vertices along edges, `edits` joins, cuts and stitches,
+  `unfolding` turns what still faces inwards; `clusters`: what hangs together
 - `stored`: pieces on disk; `mending`: the last stage of those, where there are flaws
 - `gates`, `certificates`: cells proved simple; `suspects`, `thickness`: what the others mean
 - `features`: the curves where leaves meet

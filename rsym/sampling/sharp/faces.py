@@ -271,18 +271,22 @@ class Adjacency:
 
     def around(self, quads: Ints, rings: int) -> tuple[Ints, Marks]:
         """The quads within some rings around others, and marks for the vertices all of whose quads are among them."""
-        inner = np.zeros(len(self._start) - 2, np.uint8)
+        inner, near = np.zeros(len(self._start) - 2, np.uint8), np.zeros(len(self._faces) // 2, np.bool_)
+        near[quads] = True
         for _ in range(rings):
-            inner[self._faces.reshape(-1, 6)[quads]] = 1
-            vertices = np.flatnonzero(inner.view(np.bool_))
+            new = np.zeros(len(inner), np.bool_)
+            new[self._faces.reshape(-1, 6)[quads]] = True
+            vertices = np.flatnonzero(new & (inner == 0))
+            inner[vertices] = 1
             if self._rim is not None and self._rim[vertices].any():
                 raise BeyondRim(vertices[self._rim[vertices]])
             start = self._start[vertices]
             _, place = ranges(start, self._start[vertices + 1] - start)
-            near = np.zeros(len(self._faces) // 2, np.bool_)
-            near[self._quads[place]] = True
-            quads = np.flatnonzero(near)
-        return quads, inner
+            found = np.zeros(len(near), np.bool_)
+            found[self._quads[place]] = True
+            quads = np.flatnonzero(found & ~near)
+            near[quads] = True
+        return np.flatnonzero(near), inner
 
 
 def quads_of_vertices(faces: Faces, count: int) -> tuple[Faces, Faces]:

@@ -95,13 +95,13 @@ class _Patch:
         self.faces, self.leaf = number[own].reshape(-1, 3), leaf[quads]
         self.points = np.zeros((3, padded(count)))
         self.points[:, :count] = points[:, self.ids]
-        names, codes = np.unique(self.leaf, return_inverse=True)
+        names = np.flatnonzero(np.bincount(self.leaf)).astype(np.int16)
+        codes = np.searchsorted(names, self.leaf)
         self.meets = np.zeros((count, len(names)), np.bool_)
         self.meets[self._corners(FOUR), codes[:, None]] = True
         self.several = self.meets.sum(axis=1)
-        self.leaves = np.full((2, count), -1, np.int16)
-        vertex, met = np.nonzero(self.meets & (self.several <= 2)[:, None])
-        self.leaves[(np.diff(vertex, prepend=-1) == 0).astype(np.intp), vertex] = names[met]
+        first, last = self.meets.argmax(axis=1), len(names) - 1 - self.meets[:, ::-1].argmax(axis=1)
+        self.leaves = np.stack([names[first], np.where(self.several > 1, names[last], np.int16(-1))])
         self.movable = (inner[self.ids] > 0) & (self.several <= 2)
         self.start, self.at = quads_of_vertices(self.faces, count)
         self.cluster = pieces(self.faces, count)
