@@ -8,7 +8,6 @@ from fractions import Fraction
 from functools import partial
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from rsym.errors import RsymError
@@ -25,7 +24,15 @@ from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
-from rsym.problems.solution import MORE_POINTS, Solution, rule_for, solved, with_rule
+from rsym.problems.solution import (
+    MORE_POINTS,
+    Solution,
+    estimated,
+    rule_for,
+    solved,
+    solved_alone,
+    with_rule,
+)
 from rsym.sampling.progress import Progress
 
 
@@ -92,7 +99,8 @@ def solve(
     Warns
     -----
     RsymWarning
-        Where the tolerance is not reached.
+        Where the tolerance is not reached; where a problem is so near to one without a single answer, as
+        ``-laplacian(u) - c*u = f`` for c near an eigenvalue, that next to nothing of the answer is sure.
 
     Examples
     --------
@@ -120,16 +128,16 @@ def answered(
     if cells is not None:
         whole(cells, "the cells", 1)
         rule = rule_for(problem, cells, degree + MORE_POINTS)
-        return solved(problem, rule, cells, degree)
+        return solved_alone(problem, rule, cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
         made = solved(problem, rule_for(problem, cells, degree + MORE_POINTS), cells, degree)
-        error = estimated(made)
+        error = max(estimated(made), made.report.unsure)
         # What all points of a rule miss is in no difference of degrees.
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 
     wanted = TOLERANCE if tolerance is None else tolerance
-    found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
+    found, grades = refined(attempt, problem.dimension, degree, tolerance, progress, lambda made: made.report.nearness)
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)
     return with_rule(replace(found, report=told), found.rule)
 
@@ -205,16 +213,3 @@ def missed(solution: Solution) -> float:
     return (
         0.0 if data is None else unseen(rule, partial(rule_for, problem, order=rule.order), solution.report.cells, data)
     )
-
-
-def estimated(solution: Solution) -> float:
-    """How far one degree less is away, in the root of the mean square, as a share of the largest value."""
-    rule, degree = solution.rule, solution.report.degree - 1
-    if degree < solution.problem.order:
-        return np.inf
-    lower = solved(solution.problem, rule, solution.report.cells, degree)
-    values, others = (one.jets(rule.points, 0)[0] for one in (solution, lower))
-    largest = float(np.max(np.abs(values)))
-    if largest == 0:
-        return 0.0
-    return float(np.sqrt(np.sum(rule.weights * (values - others) ** 2) / np.sum(rule.weights)) / largest)

@@ -71,7 +71,8 @@ def solve_form(
     Warns
     -----
     RsymWarning
-        Where the tolerance is not reached.
+        Where the tolerance is not reached; where a problem is so near to one without a single answer, as
+        ``-laplacian(u) - c*u = f`` for c near an eigenvalue, that next to nothing of the answer is sure.
 
     Examples
     --------
