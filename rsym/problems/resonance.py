@@ -68,7 +68,7 @@ class SampledFunctions:
     def share(self) -> float:
         """Of the points of the rule."""
         count = len(self.discrete.inside.points)
-        return min(1.0, max(FEWEST, SAMPLED * self.discrete.matrix.shape[0]) / count)
+        return min(1.0, max(FEWEST, SAMPLED * len(self.discrete.right)) / count)
 
     @cached_property
     def where(self) -> CellPoints:
