@@ -299,7 +299,7 @@ class Discretisation:
         for part in self.edge_parts:
             if part.has_form:
                 own = own + self.assembler.matrix(part.where, part.form_at, self.tests, symmetric=part.symmetric)
-        return self._bordered(extended(self.splines, own), self._forms, symmetric)
+        return self._bordered(extended(self.splines, own), self.forms, symmetric)
 
     def mass(self, density: sp.Expr | Callable[..., Any] = sp.S.One) -> sparse.csr_matrix:
         """Of the products of functions."""
@@ -318,14 +318,14 @@ class Discretisation:
         lift = self.problem.lift(self.problem.order)
         if lift is not None:
             given = defined("the value on the boundary, as it goes on inside,", lift)
-            for where, form in self._forms():
+            for where, form in self.forms():
                 total = total - self.loads(where, applied_form(form, given))
         for number, flow in enumerate(self.problem.flows):
             total[0, total.shape[1] - self.extra_count + number] += flow
         right: Floats = total[0]
         return right
 
-    def _forms(self) -> list[tuple[CellPoints, FormAt]]:
+    def forms(self) -> list[tuple[CellPoints, FormAt]]:
         """The forms of the whole equation, with where they are integrated."""
         on_edges = [(part.where, part.form_at) for part in self.edge_parts if part.has_form]
         return [(self.inside, self.equation_form), *on_edges]

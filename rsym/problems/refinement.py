@@ -75,6 +75,7 @@ def refined(
     progress: Progress | None,
     *,
     beside: bool = False,
+    why: Callable[[T], str] = lambda _: "",
 ) -> tuple[T, tuple[Grade, ...]]:
     """What ``attempt(cells, degree)`` answers, with its unknowns and the estimate of its error, on the last grid.
 
@@ -114,7 +115,7 @@ def refined(
     report(progress, STEPS, STEPS)
     if grades[-1].estimate > tolerance:
         warn(
-            f"the estimate of the error is {short(grades[-1].estimate)}, above the tolerance of {short(tolerance)}; "
-            "give the number of cells, or a larger tolerance"
+            f"the estimate of the error is {short(grades[-1].estimate)}, above the tolerance of {short(tolerance)}"
+            f"{why(best)}; give the number of cells, or a larger tolerance"
         )
     return best, tuple(grades)

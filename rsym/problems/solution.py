@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike
 
 from rsym.analysis.conditions import Clamped, Dirichlet, Robin
 from rsym.arrays import Flags, Floats, Ints
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
+from rsym.problems.combinations import add_beside, weighted
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.extremes import Extremes
 from rsym.problems.galerkin import Discretisation
@@ -26,12 +27,13 @@ from rsym.problems.places import inside, on_shape, rule_on
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
 from rsym.problems.problem import Problem, beside_at, on_cells, on_part, oriented
+from rsym.problems.resonance import SampledFunctions, resonance, surely_regular
 from rsym.problems.solution_report import SolutionReport, reported
-from rsym.problems.splines.cardinals import derivatives, product_terms
-from rsym.problems.splines.evaluation import jets
+from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import BesideAt
-from rsym.problems.systems.linear import solve_system
+from rsym.problems.systems.linear import SINGULAR, nearly_singular, solve_system
+from rsym.reports.numbers import short
 from rsym.reports.words import plural
 from rsym.sampling.contours import level_lines
 from rsym.sampling.rules.quadrature import Quadrature
@@ -45,6 +47,7 @@ MORE_POINTS = 4
 # ten thousand times smaller an error then, of the rule alone (disc and ellipse on 6 cells of degree 4: 1e-9 to 1e-12),
 # for a twelfth of the time more. With functions at corners it were a third more, and nothing is gained there.
 MORE_ON_FEW, FEW_CELLS = 6, 8
+SURE = 0.05  # an estimated error, where errors are amplified: of an answer with a larger one next to nothing is known
 
 
 class Attained(NamedTuple):
@@ -147,25 +150,19 @@ class Solution:
             some = slice(first, first + AT_ONCE)
             here = points[some]
             weight = with_limits(self.problem.weight(order), here, self.inside, self._size)
-            phi = jets(self.splines, self.coefficients[None], here, order)[:, 0]
-            for term in product_terms(self.problem.dimension, order):
-                found[term.whole, some] += term.times * weight[term.left] * phi[term.right]
+            found[:, some] = weighted(self.splines, self.coefficients, weight, here, order)
             lift = self.problem.lift(order)
             if lift is not None:
                 found[:, some] += with_limits(lift, here, self.inside, self._size)
             if functions is None:
-                self._add_beside(beside_at(self.problem, here, order), found[:, some])
+                add_beside(beside_at(self.problem, here, order), self.others, found[:, some])
         if functions is not None:
-            self._add_beside(functions, found)
+            add_beside(functions, self.others, found)
         return found
 
     @property
     def _size(self) -> float:
         return float(np.max(self.splines.size * self.splines.counts))
-
-    def _add_beside(self, functions: BesideAt, found: Floats) -> None:
-        for number, one in enumerate(functions.beside):
-            found[:, one.where] += (functions.of(number)[:, : len(found)] @ self.others[one.numbers]).T
 
     def __call__(self, *coordinates: ArrayLike) -> Any:
         """Values at points; coordinates broadcast, outside it is NaN."""
@@ -317,7 +314,7 @@ class Solution:
             )
         problem = posed_again(self.problem, values)
         rule = rule_for(problem, self.report.cells, self.order)
-        return solved(problem, rule, self.report.cells, self.report.degree)
+        return solved_alone(problem, rule, self.report.cells, self.report.degree)
 
 
 def with_rule(solution: Solution, rule: Quadrature) -> Solution:
@@ -354,8 +351,65 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     return rule
 
 
-def solved(problem: Problem, rule: Quadrature, cells: int, degree: int, functions: BesideAt | None = None) -> Solution:
-    """The solution on a rule; `functions` are those beside splines at its points, if they are known."""
+def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:
+    """The solution on a rule, no other being asked for; with an estimate of its error where errors are amplified."""
+    made = solved(problem, rule, cells, degree)
+    report = made.report
+    if not report.amplified:
+        return made
+    estimate = max(estimated(made), report.unsure)
+    if not estimate <= SURE:
+        warn(
+            f"the error, an estimate, is about {short(estimate)} of the largest value{report.nearness}; give "
+            "tolerance=, more cells or a higher degree"
+        )
+    return with_rule(replace(made, report=replace(report, estimate=estimate)), rule)
+
+
+def estimated(solution: Solution, functions: BesideAt | None = None) -> float:
+    """How far one degree less is away, in the root of the mean square, as a share of the largest value.
+
+    Where errors are amplified also how far fewer cells are away, with a rule of their own: beside corners without
+    functions degrees differ by less than they are wrong. Where the equation has no solution of less, one degree more.
+    """
+    rule, degree = solution.rule, solution.report.degree
+    degree += -1 if degree > solution.problem.order else 1
+    other = solved(solution.problem, rule, solution.report.cells, degree, functions, measured=False)
+    values, *apart = (one.jets(rule.points, 0, functions)[0] for one in (solution, other))
+    if solution.report.amplified:
+        apart += [one.jets(rule.points, 0)[0] for one in _with_fewer_cells(solution)]
+    largest = float(np.max(np.abs(values)))
+    if largest == 0:
+        return 0.0
+    means = [np.sum(rule.weights * (values - one) ** 2) / np.sum(rule.weights) for one in apart]
+    return float(np.sqrt(max(means)) / largest)
+
+
+def _with_fewer_cells(solution: Solution) -> list[Solution]:
+    """The same with three quarters of the cells and a rule of less order, none where these are too few."""
+    problem, report, cells = solution.problem, solution.report, max(1, 3 * solution.report.cells // 4)
+    try:
+        return [solved(problem, rule_for(problem, cells, solution.order - 1), cells, report.degree, measured=False)]
+    except RsymError as error:
+        if error.code != "cells":
+            raise
+        return []
+
+
+def solved(
+    problem: Problem,
+    rule: Quadrature,
+    cells: int,
+    degree: int,
+    functions: BesideAt | None = None,
+    *,
+    measured: bool = True,
+) -> Solution:
+    """The solution on a rule.
+
+    functions : those beside splines at its points, if they are known.
+    measured : whether to ask how near the problem is to resonance.
+    """
     if degree < problem.order:
         raise RsymError(
             f"an equation of the order {problem.equation.order} needs splines of the degree {problem.order} at least",
@@ -364,17 +418,24 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int, function
     problem = oriented(on_cells(problem, float(np.max(rule.grid.size))), rule.points)
     discrete = Discretisation(problem, rule, degree, functions=functions)
     discrete.require_level()
+    sampled, regular = SampledFunctions(discrete), surely_regular(discrete)
     found = solve_system(
         discrete.matrix,
         discrete.right,
-        definite=problem.equation.definite,
+        definite=problem.equation.definite and regular,
         dimension=problem.dimension,
         symmetric=problem.equation.symmetric,
         last=discrete.extra_count,
         held=bool(problem.leaves(Dirichlet, Clamped)) and not problem.leaves(Robin),
+        size=sampled.size,
     )
     inner = discrete.splines.extension.shape[1]
     told = reported(rule, cells, degree, found).of_corners(problem.corners)
+    if measured and found.again is not None and not regular:
+        amplification, rounding = resonance(sampled, found.again)
+        if not rounding <= SINGULAR:
+            raise nearly_singular()
+        told = replace(told, amplification=amplification, rounding=max(rounding, found.residual))
     coefficients = discrete.splines.extension @ found.values[:inner]
     made = Solution(problem, discrete.splines, coefficients, found.values[inner:], told, rule.order)
     return with_rule(made, rule)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 from rsym.problems.corners.choice import CornerChoice
@@ -12,6 +13,10 @@ from rsym.reports.numbers import short
 from rsym.reports.render import Report
 from rsym.reports.words import plural
 from rsym.sampling.rules.quadrature import Quadrature
+
+# Digits that an amplification takes before it is looked at more closely, at most as many as the degree of the splines:
+# between the first eigenvalues it is some 10, for a hundred waves 1000.
+STRONG = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,11 +47,35 @@ class SolutionReport(Report):
     left: int = 0
     refused: tuple[str, ...] = ()
     condition: float | None = None
+    stopped: bool = False
+    amplification: float | None = None
+    rounding: float = 0.0
 
     @property
     def observed_order(self) -> float | None:
         """By which order in the size of cells the last two estimates fell; None where cells were given."""
         return observed_order(self.grades)
+
+    @property
+    def unsure(self) -> float:
+        """The share of the answer that rounding, or steps that came to their end, may have left open."""
+        left = self.residual * math.sqrt(self.condition or 1) if self.stopped else 0.0
+        return max(left, self.rounding)
+
+    @property
+    def amplified(self) -> bool:
+        """Whether errors of an eigenvalue, as grids of few cells have, may become as large as the answer."""
+        return self.amplification is not None and self.amplification >= 10.0 ** min(self.degree, STRONG)
+
+    @property
+    def nearness(self) -> str:
+        """Words for a warning, where errors are amplified."""
+        if not self.amplified:
+            return ""
+        return (
+            "; the problem is near to one that has no single answer, see modes, so that changes of it and errors are "
+            f"amplified by up to {self.amplification:.1g}"
+        )
 
     def document(self) -> Document:
         """Unknowns, rule, system, its condition, the order and the error, which are estimates: nothing is proved."""
@@ -55,9 +84,15 @@ class SolutionReport(Report):
             f"{self.cells} are the longest side, {plural(self.points, 'point')} of integration."
         ]
         way = f"conjugate gradients in {plural(self.steps, 'step')}" if self.steps else "factors"
+        way += ", which came to their end" if self.stopped else ""
         told.append(f"The system was solved by {way}; its residual is {short(self.residual)} of the right side.")
         if self.condition is not None:
             told.append(f"The condition of its matrix, scaled by the diagonal, is estimated at {self.condition:.2g}.")
+        if self.amplification is not None:
+            told.append(
+                f"A small change of the equation is amplified by up to {self.amplification:.2g}; rounding leaves some "
+                f"{digits_left(self.rounding)} digits of an answer."
+            )
         if self.observed_order is not None:
             last = " to ".join(f"{grade.cells} cells of degree {grade.degree}" for grade in self.grades[-2:])
             told.append(f"The order observed, from {last}, is {self.observed_order:.2g}.")
@@ -86,6 +121,8 @@ class SolutionReport(Report):
                 "steps": self.steps,
                 "residual": self.residual,
                 "condition": self.condition,
+                "amplification": self.amplification,
+                "rounding": self.rounding,
                 "order observed": self.observed_order,
                 "estimate": self.estimate,
                 "corners": self.corners,
@@ -121,4 +158,16 @@ def reported(rule: Quadrature, cells: int, degree: int, found: Solved) -> Soluti
         grades=(),
         unresolved=rule.unresolved,
         condition=found.condition,
+        stopped=found.stopped,
     )
+
+
+def digits_left(share: float) -> int:
+    """How many digits there are where so large a share is not sure.
+
+    Examples
+    --------
+    >>> digits_left(2e-9), digits_left(0), digits_left(3)
+    (8, 15, 0)
+    """
+    return min(15, max(0, int(-math.log10(share)))) if share > 0 else 15

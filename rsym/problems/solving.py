@@ -8,7 +8,6 @@ from fractions import Fraction
 from functools import partial
 from typing import Any
 
-import numpy as np
 import sympy as sp
 
 from rsym.errors import RsymError
@@ -25,8 +24,7 @@ from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
-from rsym.problems.solution import Solution, rule_for, rule_order, solved, with_rule
-from rsym.problems.systems.borders import BesideAt
+from rsym.problems.solution import Solution, estimated, rule_for, rule_order, solved, solved_alone, with_rule
 from rsym.sampling.progress import Progress
 
 
@@ -95,7 +93,8 @@ def solve(
     -----
     RsymWarning
         Where the tolerance is not reached; where a shape touches itself, or conditions change at places near to each
-        other, and cells do not resolve it.
+        other, and cells do not resolve it; where a problem is so near to one without a single answer, as
+        ``-laplacian(u) - c*u = f`` for c near an eigenvalue, that next to nothing of the answer is sure.
 
     Examples
     --------
@@ -125,18 +124,26 @@ def answered(
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         if problem.cuts:
             problem.switches.warn_if_near(rule.grid.size, cells)
-        return solved(problem, rule, cells, degree)
+        return solved_alone(problem, rule, cells, degree)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         functions = beside_at(problem, rule.points)
         made = solved(problem, rule, cells, degree, functions)
-        error = estimated(made, functions)
+        error = max(estimated(made, functions), made.report.unsure)
         # What all points of a rule miss is in no difference of degrees.
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 
     wanted = TOLERANCE if tolerance is None else tolerance
-    found, grades = refined(attempt, problem.dimension, degree, tolerance, progress, beside=problem.has_corners)
+    found, grades = refined(
+        attempt,
+        problem.dimension,
+        degree,
+        tolerance,
+        progress,
+        beside=problem.has_corners,
+        why=lambda made: made.report.nearness,
+    )
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)
     return with_rule(replace(found, report=told), found.rule)
 
@@ -212,19 +219,3 @@ def missed(solution: Solution) -> float:
     return (
         0.0 if data is None else unseen(rule, partial(rule_for, problem, order=rule.order), solution.report.cells, data)
     )
-
-
-def estimated(solution: Solution, functions: BesideAt) -> float:
-    """How far one degree less is away, in the root of the mean square, as a share of the largest value.
-
-    functions : those beside splines, at the points of its rule.
-    """
-    rule, degree = solution.rule, solution.report.degree - 1
-    if degree < solution.problem.order:
-        return np.inf
-    lower = solved(solution.problem, rule, solution.report.cells, degree, functions)
-    values, others = (one.jets(rule.points, 0, functions)[0] for one in (solution, lower))
-    largest = float(np.max(np.abs(values)))
-    if largest == 0:
-        return 0.0
-    return float(np.sqrt(np.sum(rule.weights * (values - others) ** 2) / np.sum(rule.weights)) / largest)

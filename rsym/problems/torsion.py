@@ -144,7 +144,8 @@ def torsion(
 
     def attempt(cells: int, degree: int) -> tuple[Torsion, int, float]:
         made, lower = (_torsion(problem, cells, p) for p in (degree, degree - 1))
-        return made, made.solution.report.unknowns, abs(1 - lower.rigidity / made.rigidity)
+        error = max(abs(1 - lower.rigidity / made.rigidity), made.solution.report.unsure)
+        return made, made.solution.report.unknowns, error
 
     found, grades = refined(attempt, 2, degree, tolerance, progress)
     return replace(found, grades=grades)

@@ -43,6 +43,26 @@ def test_splines_that_reach_far_beyond_a_thin_part_do_not_make_a_fixed_answer_un
     assert abs(high.integral() / low.integral() - 1) < 1e-5
 
 
+def test_steps_that_do_not_end_give_way_to_factors_or_are_told(monkeypatch):
+    matrix, right = laplace(12), np.arange(144.0)
+    exact = np.linalg.solve(matrix.toarray(), right)
+    monkeypatch.setitem(linear.DIRECT, 2, 10)
+    monkeypatch.setattr(linear, "FEWER_STEPS", 5)
+    found = linear.solve_system(matrix, right, definite=True, dimension=2)
+    assert found.steps == 0
+    assert not found.stopped
+    np.testing.assert_allclose(found.values, exact, rtol=1e-8)
+    monkeypatch.setitem(linear.RESCUED, 2, 10)
+    monkeypatch.setattr(linear, "MOST_STEPS", 38)
+    with pytest.warns(rsym.RsymWarning, match="after 38 steps"):
+        found = linear.solve_system(matrix, right, definite=True, dimension=2)
+    assert found.stopped
+    assert linear.STEPS_SMALL < found.residual < linear.UNSURE
+    monkeypatch.setattr(linear, "MOST_STEPS", 5)
+    with pytest.raises(rsym.RsymError, match="nearly singular"):
+        linear.solve_system(matrix, right, definite=True, dimension=2)
+
+
 def carried(n):
     """One that is not symmetric."""
     along = sparse.kron(sparse.diags([-1.0, 1.0], [-1, 1], shape=(n, n)), sparse.eye(n))

@@ -106,7 +106,7 @@ def elasticity(
 
     def attempt(cells: int, degree: int) -> tuple[ElasticSolution, int, float]:
         made = in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
-        error = _estimated(made)
+        error = max(_estimated(made), made.report.unsure)
         return made, made.report.unknowns, error if error > wanted else max(error, _missed(made))
 
     wanted = TOLERANCE if tolerance is None else tolerance

@@ -25,7 +25,7 @@ LANCZOS = 8
 SEED = 20130605
 
 
-def conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Floats, int, float]:
+def conjugate_gradients(matrix: sparse.csr_matrix, right: Floats, most: int = MOST_STEPS) -> tuple[Floats, int, float]:
     """Sums are NumPy's, in an order of their own: a BLAS may share them out among threads.
 
     To read a matrix takes most of the time: of a symmetric one half is enough. Its rows are in blocks, as many for any
@@ -43,7 +43,7 @@ def conjugate_gradients(matrix: sparse.csr_matrix, right: Floats) -> tuple[Float
         return total
 
     with ThreadPoolExecutor(checked_threads(None)) as pool:
-        return _iterated(product, right)
+        return _iterated(product, right, most)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,13 +96,13 @@ def lower_product(begins: Ints, columns: Ints, values: Floats, x: Floats, out: F
         out[above + row] += one + other + values[end] * own
 
 
-def _iterated(product: Callable[[Floats], Floats], right: Floats) -> tuple[Floats, int, float]:
+def _iterated(product: Callable[[Floats], Floats], right: Floats, most: int) -> tuple[Floats, int, float]:
     """The solution, the steps, and the condition that they show: gradients are conjugated as in Lanczos's method."""
     found, residual = np.zeros_like(right), right.copy()
     direction, size = residual.copy(), float(np.sum(residual * residual))
     enough = SMALL**2 * size
     lengths, shares = [], []
-    for _ in range(MOST_STEPS):
+    for _ in range(most):
         image = product(direction)
         length = size / float(np.sum(direction * image))
         found += length * direction

@@ -2,31 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse import linalg
 
 from rsym.arrays import Flags, Floats
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.problems.systems.iterations import (
+    MOST_STEPS,
     SEED,
     conjugate_gradients,
     largest_eigenvalue,
     norm,
     stabilised_gradients,
 )
+from rsym.reports.numbers import short
 
 # Unknowns up to which a system is factored; a factor of 30 000 of degree 4 in the plane takes about a second.
 DIRECT = {2: 30_000, 3: 6_000}
-# The same for a system that is not symmetric, and what its residual must come down to by steps, or it is factored.
+# The same for a system that is not symmetric, and what a residual must come down to by steps, or it is factored.
 # In space 6400 unknowns took 0.1 to 0.3 s by steps, 2 to 3 s by factors; in the plane 8200 took 0.2 s or more
 # than 8 s by steps, 0.5 s by factors.
 DIRECT_UNEVEN = {2: 200_000, 3: 3_000}
-UNEVEN_SMALL = 1e-11
+STEPS_SMALL = 1e-11
+# Unknowns of a definite system up to which it is factored where steps do not end, as beside necks that are thinner than
+# a cell: 80 000 of degree 4 in the plane take as long as 2000 steps and 1 GB, 11 000 of degree 3 in space as 2700.
+RESCUED = {2: 200_000, 3: 12_000}
+FEWER_STEPS = 2000
 # The share of an answer that a step of refinement may change, and of the right side that may be left: systems of
 # splines have up to 1e-10, singular ones more than 1e-3.
 UNSURE, SINGULAR = 1e-6, 1e-3
@@ -41,18 +49,25 @@ MOST_SHIFTS = 30
 # Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
 MOST_RANKED, RANK = 1000, 1e-12
 
+Answer: TypeAlias = Callable[[Floats], Floats]
+Size: TypeAlias = Callable[[Floats], float]
+
 
 @dataclass(frozen=True)
 class Solved:
     """Answers of a system, and how they were found: steps is 0 where the matrix was factored.
 
     condition : of the matrix scaled by its diagonal, an estimate from below; None where it is not definite.
+    stopped : whether steps came to their end before the residual was small.
+    again : the answer for another right side, nearly.
     """
 
     values: Floats
     steps: int
     residual: float
     condition: float | None = None
+    stopped: bool = False
+    again: Answer | None = None
 
 
 def scales(matrix: sparse.csr_matrix) -> Floats:
@@ -85,6 +100,7 @@ def solve_system(
     last: int = 0,
     held: bool = False,
     sifted: bool = False,
+    size: Size | None = None,
 ) -> Solved:
     """The solution: by factors of a small system or an indefinite one, else by conjugate gradients.
 
@@ -93,31 +109,31 @@ def solve_system(
     last : of so many unknowns at the end those are 0 whose functions the others make up but for rounding.
     held : conditions fix the solution, so what is not sure is what functions share of it.
     sifted : it is known that the others do not make up the last ones.
+    size : of what numbers of all functions add up to: it tells what is not sure where no energy does.
     """
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
     wanted = scale * right
-    size = norm(wanted)
-    if size == 0:
+    amount = norm(wanted)
+    if amount == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
-    without = partial(_without, matrix, right, definite=definite, dimension=dimension, symmetric=symmetric, held=held)
+    without = partial(_without, matrix, right, size or norm, definite, dimension, symmetric, held)
     if last and not definite and not sifted:
         with suppress(RsymError):  # those before them may be no system by themselves
             own = independent(scaled, last)
             if not own.all():
                 return without(own)
-    found: Floats | None
-    steps, condition = 0, None
-    if definite and len(right) > DIRECT[dimension]:
-        found, steps, condition = conjugate_gradients(scaled, wanted)
-    elif not symmetric and len(right) > DIRECT_UNEVEN[dimension]:
-        made, steps = stabilised_gradients(scaled, wanted)
-        found = made
-        if not norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
-            found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
-            steps = 0
-    else:
-        found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
+    direct = DIRECT if definite else DIRECT_UNEVEN
+    steps, stopped, rescued = 0, False, not definite or len(right) <= RESCUED[dimension]
+    found: Floats | None = None
+    condition: float | None = None
+    if (definite or not symmetric) and len(right) > direct[dimension]:
+        found, steps, condition, again = _by_steps(scaled, wanted, definite, FEWER_STEPS if rescued else MOST_STEPS)
+        stopped = not norm(wanted - scaled @ found) <= STEPS_SMALL * amount
+    if found is None or (stopped and rescued):
+        steps, stopped = 0, False
+        of_scaled: Size = norm if size is None else lambda values: size(scale * values)
+        found, condition, again = _by_factors(scaled, wanted, of_scaled, definite, dimension, last, held)
     doubtful = found is None or (condition is not None and condition > DOUBTFUL)
     if doubtful and last and not steps and not sifted:
         own = independent(scaled, last)
@@ -125,58 +141,79 @@ def solve_system(
             return without(own)
     if found is None:
         raise nearly_singular()
-    residual = norm(wanted - scaled @ found) / size
+    residual = norm(wanted - scaled @ found) / amount
     if not residual <= UNSURE:
         raise nearly_singular()
-    return Solved(scale * found, steps, residual, condition)
+    if stopped:
+        warn(
+            f"conjugate gradients came to their end after {steps} steps, {short(residual)} of the right side is left: "
+            "the matrix is nearly singular, as beside parts thinner than a cell; give other cells or a lower degree"
+        )
+    return Solved(scale * found, steps, residual, condition, stopped, lambda other: scale * again(scale * other))
+
+
+def _by_steps(
+    matrix: sparse.csr_matrix, right: Floats, definite: bool, most: int
+) -> tuple[Floats, int, float | None, Answer]:
+    """The solution, the steps, the condition of a definite matrix, and what answers other right sides."""
+    if definite:
+        return *conjugate_gradients(matrix, right, most), lambda other: conjugate_gradients(matrix, other, most)[0]
+    found, steps = stabilised_gradients(matrix, right)
+    return found, steps, None, lambda other: stabilised_gradients(matrix, other)[0]
 
 
 def _by_factors(
-    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int, held: bool
-) -> tuple[Floats | None, float | None]:
+    matrix: sparse.csr_matrix, right: Floats, size: Size, definite: bool, dimension: int, last: int, held: bool
+) -> tuple[Floats | None, float | None, Answer]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
-    And the condition of a definite matrix, nearly.
+    And the condition of a definite matrix, nearly, and what answers other right sides.
     """
     try:
         factors = factored(matrix)
     except RsymError:
         if not last:
             raise
-        return None, None
+        return None, None, np.zeros_like
     found: Floats = factors.solve(right)
     correction = factors.solve(right - matrix @ found)
     # Of rounding alone, it is as large a share as the condition of the matrix makes it. Where the last functions
-    # are nearly made up by others, it is large in what amounts to nothing: by its energy it is small. That of an
-    # answer which is not sure is small too; then the first unknowns alone have none.
+    # are nearly made up by others, it is large in what amounts to nothing: it has no size, and by its energy it is
+    # small. That of an answer which is not sure is small too; then the first unknowns alone have none.
     unsure = norm(correction) / norm(found)
-    first = slice(len(right) - last)
-    beside = last and (definite or unsure < SINGULAR or _coercive(matrix[first, first]))
-    if unsure > UNSURE and (beside or (definite and held and unsure <= FAINT)):
+    if unsure > UNSURE and not definite:
+        unsure = size(correction) / size(found)
+    elif unsure > UNSURE and (last or (held and unsure <= FAINT)):
         if last:
+            first = slice(len(right) - last)
             solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension, held=held)
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
     if not unsure <= UNSURE:
-        return None, None
+        return None, None, factors.solve
     if not definite:
-        return found + correction, None
+        return found + correction, None, factors.solve
     largest, inverse = (largest_eigenvalue(product, len(right)) for product in (matrix.__matmul__, factors.solve))
-    return found + correction, largest * inverse
-
-
-def _coercive(matrix: sparse.csr_matrix) -> bool:
-    """Whether the symmetric part of a matrix is definite: the pivots are all positive."""
-    try:
-        return bool((factored(((matrix + matrix.T) / 2).tocsr()).U.diagonal() > 0).all())
-    except RsymError:
-        return False
+    return found + correction, largest * inverse, factors.solve
 
 
 def _without(
-    matrix: sparse.csr_matrix, right: Floats, own: Flags, *, definite: bool, dimension: int, symmetric: bool, held: bool
+    matrix: sparse.csr_matrix,
+    right: Floats,
+    size: Size,
+    definite: bool,
+    dimension: int,
+    symmetric: bool,
+    held: bool,
+    own: Flags,
 ) -> Solved:
     """The solution where those of the last unknowns are 0 that are not independent."""
     kept = np.append(np.ones(len(right) - len(own), np.bool_), own)
+
+    def whole(values: Floats) -> Floats:
+        found = np.zeros_like(right)
+        found[kept] = values
+        return found
+
     some = solve_system(
         matrix[kept][:, kept],
         right[kept],
@@ -186,10 +223,12 @@ def _without(
         last=int(own.sum()),
         held=held,
         sifted=True,
+        size=lambda values: size(whole(values)),
     )
-    values = np.zeros_like(right)
-    values[kept] = some.values
-    return replace(some, values=values)
+    again = some.again
+    return replace(
+        some, values=whole(some.values), again=None if again is None else lambda other: whole(again(other[kept]))
+    )
 
 
 def independent(scaled: sparse.csr_matrix, last: int) -> Flags:
