@@ -117,7 +117,7 @@ def solve_system(
     amount = norm(wanted)
     if amount == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
-    without = partial(_without, matrix, right, size or norm, definite, dimension, symmetric, held)
+    without = partial(_without, matrix, right, size, definite, dimension, symmetric, held)
     if last and not definite and not sifted:
         with suppress(RsymError):  # those before them may be no system by themselves
             own = independent(scaled, last)
@@ -132,7 +132,7 @@ def solve_system(
         stopped = not norm(wanted - scaled @ found) <= STEPS_SMALL * amount
     if found is None or (stopped and rescued):
         steps, stopped = 0, False
-        of_scaled: Size = norm if size is None else lambda values: size(scale * values)
+        of_scaled: Size | None = None if size is None else lambda values: size(scale * values)
         found, condition, again = _by_factors(scaled, wanted, of_scaled, definite, dimension, last, held)
     doubtful = found is None or (condition is not None and condition > DOUBTFUL)
     if doubtful and last and not steps and not sifted:
@@ -163,7 +163,7 @@ def _by_steps(
 
 
 def _by_factors(
-    matrix: sparse.csr_matrix, right: Floats, size: Size, definite: bool, dimension: int, last: int, held: bool
+    matrix: sparse.csr_matrix, right: Floats, size: Size | None, definite: bool, dimension: int, last: int, held: bool
 ) -> tuple[Floats | None, float | None, Answer]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
@@ -177,17 +177,19 @@ def _by_factors(
         return None, None, np.zeros_like
     found: Floats = factors.solve(right)
     correction = factors.solve(right - matrix @ found)
-    # Of rounding alone, it is as large a share as the condition of the matrix makes it. Where the last functions
-    # are nearly made up by others, it is large in what amounts to nothing: it has no size, and by its energy it is
-    # small. That of an answer which is not sure is small too; then the first unknowns alone have none.
+    # Of rounding alone, it is as large a share as the condition of the matrix makes it. Where functions are nearly made
+    # up by others, it is large in what amounts to nothing: it has no size, and by its energy it is small. That of an
+    # answer which is not sure is small too; without sizes it counts where the first unknowns alone have none.
     unsure = norm(correction) / norm(found)
-    if unsure > UNSURE and not definite:
-        unsure = size(correction) / size(found)
-    elif unsure > UNSURE and (last or (held and unsure <= FAINT)):
+    energy = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
+    if unsure > UNSURE and size is not None:
+        share = size(correction) / size(found)
+        unsure = max(share, energy) if definite else share
+    elif unsure > UNSURE and definite and (last or (held and unsure <= FAINT)):
         if last:
             first = slice(len(right) - last)
             solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension, held=held)
-        unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
+        unsure = energy
     if not unsure <= UNSURE:
         return None, None, factors.solve
     if not definite:
@@ -199,7 +201,7 @@ def _by_factors(
 def _without(
     matrix: sparse.csr_matrix,
     right: Floats,
-    size: Size,
+    size: Size | None,
     definite: bool,
     dimension: int,
     symmetric: bool,
@@ -223,7 +225,7 @@ def _without(
         last=int(own.sum()),
         held=held,
         sifted=True,
-        size=lambda values: size(whole(values)),
+        size=None if size is None else lambda values: size(whole(values)),
     )
     again = some.again
     return replace(
