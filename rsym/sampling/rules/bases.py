@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.columns import CellRule, Columns, Unresolved, gauss_on
+from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, gauss_on
 from rsym.sampling.rules.curves import EndCurves, Gaps, along, coincide, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
@@ -25,7 +25,7 @@ ROUNDED = 0.125  # of tolerances: a place is that unsharp
 BOTH = 5.0  # of the base: two leaves that climb no steeper than 2
 
 
-def plane_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, Unresolved]:
+def plane_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, LeftOpen]:
     """The rule on plane pieces with a height, and what is not resolved: pieces, and where leaves touch.
 
     orders : (pieces,), the points along each direction.
@@ -34,7 +34,7 @@ def plane_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> 
     bases = _Bases(Columns.of(functions, pieces), along(ends, 1 - pieces.axis))
     segments, lost = bases.segments()
     rule, unresolved = bases.rule(segments, orders)
-    return rule, unresolved + Unresolved(boundary=lost)
+    return rule, unresolved + LeftOpen(boundary=lost)
 
 
 @dataclass(frozen=True)
@@ -142,13 +142,15 @@ class _Bases:
         places = np.concatenate([meetings(curves, brackets), middles])
         unsharp = 0.0
         if functions.gates is not None:
-            apart, slopes = curves.evaluate(found, places)
-            slopes = slopes[np.abs(apart) <= SAME * functions.tolerance]  # of what only came close nothing is lost
+            gap, slopes = curves.evaluate(found, places)
+            slopes = slopes[np.abs(gap) <= SAME * functions.tolerance]  # of what only came close nothing is lost
             with np.errstate(divide="ignore"):
-                unsharp = np.fmin(ROUNDED * functions.tolerance / np.abs(slopes), np.sqrt(functions.tolerance)).sum()
-        return own[found], places, float(unsharp)
+                unsharp += float(
+                    np.fmin(ROUNDED * functions.tolerance / np.abs(slopes), np.sqrt(functions.tolerance)).sum()
+                )
+        return own[found], places, unsharp
 
-    def rule(self, segments: Segments, orders: Ints) -> tuple[CellRule, Unresolved]:
+    def rule(self, segments: Segments, orders: Ints) -> tuple[CellRule, LeftOpen]:
         """The points on lines across segments, and on upright leaves."""
         which, x, w = gauss_on(orders[segments.piece])
         width = segments.upper - segments.lower
@@ -165,7 +167,7 @@ class _Bases:
             along_walls = walls.walked_upright(kind, *self._sides(segments), weight)
         rule, unresolved = self.columns.rule(lines, w * width[which], walls, along_walls, orders)
         touching = self._touching(lines, width, which)
-        return rule, unresolved + Unresolved(touching**2, touching)
+        return rule, unresolved + LeftOpen(touching**2, touching)
 
     def _touching(self, lines: Lines, width: Floats, which: Ints) -> float:
         """A bound of the lengths of both leaves over segments in which crossings are taken for one."""

@@ -54,14 +54,14 @@ class CellRule:
 
 
 @dataclass(frozen=True)
-class Unresolved:
+class LeftOpen:
     """How much of the measures of inside and of boundary a rule may be wrong by, where nothing is proved."""
 
     content: float = 0.0
     boundary: float = 0.0
 
-    def __add__(self, other: Unresolved) -> Unresolved:
-        return Unresolved(self.content + other.content, self.boundary + other.boundary)
+    def __add__(self, other: LeftOpen) -> LeftOpen:
+        return LeftOpen(self.content + other.content, self.boundary + other.boundary)
 
 
 def rules_joined(rules: Sequence[CellRule]) -> CellRule:
@@ -113,7 +113,8 @@ def tensor_rule(lower: Floats, upper: Floats, owner: Ints, order: int) -> CellRu
 def _faces(sides: Floats) -> Floats:
     """The measure of a side across each axis, together, of boxes with sides (dim, n)."""
     others = [np.prod(np.delete(sides, axis, axis=0), axis=0) for axis in range(len(sides))]
-    return np.sum(others, axis=0)
+    found: Floats = np.sum(others, axis=0)
+    return found
 
 
 @dataclass(frozen=True)
@@ -154,7 +155,7 @@ class Columns:
 
     def rule(
         self, lines: Lines, weight: Floats, walls: Lines, along_walls: Panels, orders: Ints
-    ) -> tuple[CellRule, Unresolved]:
+    ) -> tuple[CellRule, LeftOpen]:
         """The rule on lines of such weights, and on intervals of the lines on upright leaves; orders of all pieces.
 
         In pieces that are not proved to have a height all may be wrong: what they hold, and the boundary found there.
@@ -176,7 +177,7 @@ class Columns:
         unsure = ~proved | ~(share <= most)
         share = np.fmin(share, most)
         wide = np.prod(self.pieces.upper - self.pieces.lower, axis=0)[~self.pieces.proved]
-        unresolved = Unresolved(float(wide.sum()), float(share[kept & unsure].sum()))
+        unresolved = LeftOpen(float(wide.sum()), float(share[kept & unsure].sum()))
         made = CellRule(
             points,
             weights,

@@ -61,7 +61,7 @@ def integrate(
     -------
     Integral
         A float with `.error`, an estimate: the difference of the last two rules, some ten times it where differences
-        fall slowly, as of singular functions, and rounding.
+        fall slowly, as of singular functions, rounding, and what is not resolved of the shape, as next to its cusps.
 
     Raises
     ------

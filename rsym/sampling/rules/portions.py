@@ -10,7 +10,7 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.sampling.rules.bases import plane_rule
-from rsym.sampling.rules.columns import CellRule, Unresolved, rules_together, tensor_rule, tensor_rules
+from rsym.sampling.rules.columns import CellRule, LeftOpen, rules_together, tensor_rule, tensor_rules
 from rsym.sampling.rules.division import CutPieces, Grading, Limits, close, divide, pieces_together, undivided
 from rsym.sampling.rules.space import space_rule
 
@@ -56,7 +56,7 @@ class RulePortion:
 
     rule: CellRule
     full: Ints
-    unresolved: Unresolved
+    unresolved: LeftOpen
 
 
 def rule_portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Grading) -> RulePortion:
@@ -65,7 +65,7 @@ def rule_portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: 
     whole = undivided(lower, upper, cells, functions.count)
     found = divide(functions, whole, LIMITS[functions.dimension], near)
     rules = tensor_rules(found.lower, found.upper, found.owner, near.orders(found.lower, found.upper, grid.size, order))
-    unresolved = Unresolved()
+    unresolved = LeftOpen()
     for pieces in _at_once(found.cut):
         orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
         rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, orders)

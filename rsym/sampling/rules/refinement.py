@@ -77,7 +77,7 @@ Quantities: TypeAlias = Callable[[RulePortion], Sums]  # what is asked of a part
 def boundary_rounding(shape: Prepared, measure: float) -> float:
     """How far a length or surface may be off for rounding: of what there is, and of where there is none."""
     dimension, size = shape.functions.dimension, max(high - low for low, high in shape.box)
-    return BOUNDARY[dimension] * (measure + size ** (dimension - 1))
+    return BOUNDARY[dimension] * (measure + float(size ** (dimension - 1)))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.bases import BOTH, plane_rule
-from rsym.sampling.rules.columns import CellRule, Columns, Unresolved, rules_together, tensor_rules
+from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, rules_together, tensor_rules
 from rsym.sampling.rules.curves import Risers, along, coincide, heights_between, placed
 from rsym.sampling.rules.division import INSIDE, OPEN, BoundedFunctions, CutPieces, Limits, divide, starts
 from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
@@ -24,7 +24,7 @@ FACE, GAP = 0, 1
 SMALL = 0.3  # of the base of a piece: a quarter
 
 
-def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, Unresolved]:
+def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, LeftOpen]:
     """The rule on pieces in space with a height, and what is not resolved, of them and over parts of their bases.
 
     orders : (pieces,), the points along each direction.
@@ -33,7 +33,7 @@ def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> 
     base = BaseFunctions.of(columns)
     found = divide(base, base.cells, LIMITS)
     rules = tensor_rules(found.lower, found.upper, found.owner, orders[found.owner])
-    tall, unresolved = columns.height[1] - columns.height[0], Unresolved()
+    tall, unresolved = columns.height[1] - columns.height[0], LeftOpen()
     for parts in found.cut:
         if len(parts):
             rules.append(plane_rule(base, parts, orders[parts.owner])[0])
@@ -41,7 +41,7 @@ def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> 
             width, own = (parts.upper - parts.lower)[:, some], parts.owner[some]
             area = np.prod(width, axis=0)
             walled = width.max(axis=0, initial=0.0) * np.bincount(parts.piece, base.walls[parts.leaf], len(parts))[some]
-            unresolved += Unresolved(float(area @ tall[own]), float(BOTH * area.sum() + walled @ tall[own]))
+            unresolved += LeftOpen(float(area @ tall[own]), float(BOTH * area.sum() + walled @ tall[own]))
     flat = rules_together(rules)
     lines = columns.lines(flat.owner, flat.points)
     walls = columns.lines(flat.edge_owner, flat.edge_points)
