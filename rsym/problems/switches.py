@@ -313,8 +313,9 @@ class Switches:
     def require_apart(self, size: float, cells: int) -> None:
         """Refuse cells of a size that do not resolve how near to each other conditions change.
 
-        Of a strip on which u is 0 between two fluxes errors are 70 and 20 parts of a hundred where it is half a cell
-        and a cell wide, 6 to 2 at two cells, 1 to 0.1 at four; with ten such places on one edge they are 6 at five.
+        Of a strip on which u is 0 between two fluxes errors are 40 and 15 parts of a hundred where it is half a cell
+        and a cell wide, 6 to 1 at two cells, 1 to 0.1 at three to five; with some twenty such places on one edge they
+        are 6 at five.
         """
         if self.least_apart < APART * size:
             raise RsymError(

@@ -138,7 +138,7 @@ class WebSplines:
     def functions(self, flat: Ints) -> Ints:
         """The functions (n, (degree + 1)**dimension) that live on cells, by their numbers; -1 where none is active."""
         local = self.cells(flat)[:, None] + digits(self.degree + 1, self.dimension)
-        found = self.number[np.ravel_multi_index(tuple(np.moveaxis(local, -1, 0)), self.shape)]
+        found: Ints = self.number[np.ravel_multi_index(tuple(np.moveaxis(local, -1, 0)), self.shape)]
         if len(self.split):
             row = self.split_row(flat)
             found[row >= 0] = self.numbers[row[row >= 0]]
@@ -168,7 +168,7 @@ class WebSplines:
                 code="cells",
                 remedy="ask for more cells, or a lower degree",
             )
-        middles = positions - self.degree / 2
+        middles: Floats = np.asarray(positions - self.degree / 2, np.float64)
         likely = corners[cKDTree(self.cells(corners)).query(middles)[1]]
         touched = np.flatnonzero(self.joined.touched)
         functions = self.functions(touched)

@@ -28,6 +28,7 @@ CLOSE = 4  # points along a side of a cell
 THINNER = 0.8
 TOUCHING = 1e-3
 ALIKE = 1e-9  # of directions, and of cells
+BESIDE = 0.05  # of a cell: where is looked for inside beside a contact
 PARALLEL = 0.5  # the cosine of the angle between two leaves in a cell where they may touch
 MOST_CONTACTS = 256  # cells that are looked at
 HALVINGS = 40
@@ -157,7 +158,10 @@ def _fall_apart(functions: Any, rule: Quadrature, cells: Ints) -> Flags:
 
 
 def _contacts(functions: Any, rule: Quadrature) -> list[Gap]:
-    """Where two leaves touch in a cell whose points do not all see each other."""
+    """Where two leaves touch, inside on both sides, in a cell whose points do not all see each other.
+
+    Where outside is on both sides, as between holes, inside ends in cusps, of which splines know little anyway.
+    """
     boundary, found = rule.boundary, list[Gap]()
     pairs, place = np.unique(np.stack([boundary.cells, boundary.leaves]), axis=1, return_inverse=True)
     normals = np.stack([np.bincount(place.ravel(), column, len(pairs[0])) for column in boundary.normals.T], axis=1)
@@ -171,11 +175,11 @@ def _contacts(functions: Any, rule: Quadrature) -> list[Gap]:
         values, _ = functions.evaluate(np.repeat(np.arange(functions.count), count), np.tile(points, functions.count))
         own = np.argmin(np.abs(values.reshape(-1, count)), axis=0)
         for pair in combinations(np.unique(own), 2):
-            place = _contact(functions, np.array(pair), points.mean(axis=1), rule.grid.size)
+            where = _contact(functions, np.array(pair), points.mean(axis=1), rule.grid.size)
             low, high = (side[:, 0] for side in rule.grid.corners(np.array([cell])))
-            if place is not None and np.all(np.abs(place - (low + high) / 2) <= (0.5 + TOUCHING) * rule.grid.size):
+            if where is not None and np.all(np.abs(where - (low + high) / 2) <= (0.5 + TOUCHING) * rule.grid.size):
                 one, other = sorted(rule.parts[boundary.leaves[on][own == leaf][0]] for leaf in pair)
-                found.append(Gap(tuple(float(value) for value in place), 0.0, (one, other), 0.0))
+                found.append(Gap(tuple(float(value) for value in where), 0.0, (one, other), 0.0))
     return found
 
 
@@ -191,7 +195,10 @@ def _contact(functions: Any, pair: Ints, point: Floats, size: float) -> Floats |
         point = point - step * min(1.0, size / max(float(np.linalg.norm(step)), size))
     lengths = np.linalg.norm(slopes, axis=1)
     along = abs(float(slopes[0] @ slopes[1])) >= (1 - ALIKE) * float(lengths[0] * lengths[1])
-    return point if along and np.abs(values).max() <= ALIKE * size else None
+    if not along or np.abs(values).max() > ALIKE * size:
+        return None
+    across = BESIDE * size * slopes[0] / lengths[0]
+    return point if (signs(functions, np.stack([point - across, point + across], axis=1)) > 0).all() else None
 
 
 def _let_notches(start: Floats, width: Floats, near: float, held: Flags) -> None:

@@ -69,8 +69,7 @@ def _lines(rule: Quadrature, cells: Ints, axis: int) -> tuple[Floats, Floats]:
 def _met(functions: Any, begin: Floats, end: Floats) -> Flags:
     """Which cells have something of the shape in the middle of one of a few of their lines."""
     some = (begin[:, 1::3] + end[:, 1::3]) / 2
-    found: Flags = (signs(functions, some.reshape(len(some), -1)) > 0).reshape(some.shape[1:]).any(axis=0)
-    return found
+    return np.asarray((signs(functions, some.reshape(len(some), -1)) > 0).reshape(some.shape[1:]).any(axis=0))
 
 
 def _crossed(functions: Any, begin: Floats, end: Floats) -> Flags:
@@ -87,8 +86,7 @@ def _crossed(functions: Any, begin: Floats, end: Floats) -> Flags:
             asked = np.flatnonzero((upper > lower) & ~met[some]) + first
             middle = ((lower + upper) / 2)[asked - first]
             met[asked] = signs(functions, begin[:, asked] + middle * along[:, asked]) > 0
-    found: Flags = met.reshape(lines, count).any(axis=0)
-    return found
+    return np.asarray(met.reshape(lines, count).any(axis=0))
 
 
 def _seen_from(functions: Any, rule: Quadrature, pairs: Ints, axis: int) -> Flags:
