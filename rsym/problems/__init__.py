@@ -14,8 +14,9 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
   solution is made of; `posing`: its conditions as the letters of its shape have them
 - `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small; `peaks`: of
-  data, which a rule misses; `printed`: a solution as an expression; `extremes`: its least value; `left_behind`: what no
-  pickle of it holds; `solution`, `solution_report`: what comes out, and how it was found
+  data, which a rule misses; `printed`: a solution as an expression; `extremes`: its least value; `limits`: derivatives
+  where a formula has none; `left_behind`: what no pickle of it holds; `solution`, `solution_report`: what comes out,
+  and how it was found
 - `solving`, `weak_solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane;
   `stated`: what a model file asks
 """
