@@ -16,7 +16,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `plates`: what bending needs; `galerkin`: the system of a problem; `refinement`: until its error is small; `peaks`: of
   data, which a rule misses; `combinations`: sums of the functions of a system; `resonance`: what small changes become
 - `solution`, `solution_report`: what comes out, and how it was found; `printed`: as an expression; `extremes`: its
-  least value; `left_behind`: what no pickle of it holds
+  least value; `limits`: derivatives where a formula has none; `left_behind`: what no pickle of it holds
 - `solving`, `weak_solving`, `spectra`, `torsion`: what is asked; `elastic/`: two displacements of a body in the plane;
   `stated`: what a model file asks
 """

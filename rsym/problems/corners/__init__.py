@@ -6,6 +6,7 @@ of points with their derivatives. In the order of the data:
 - `leaf_boxes`: bounds of the leaves and their gradients over boxes, and which of them matter there
 - `common_zeros`: the points where leaves that matter meet; `sectors`: what is inside around such a point
 - `reaches`: how far around corners nothing else is; `corners`: all of that
-- `leaf_jets`: leaves with their derivatives; `corner_functions`: powers and logarithms in the coordinates of two leaves
-  by `singular_loops`; `formulas`: these as expressions; `choice`: which corners have some beside splines
+- `leaf_jets`: leaves with their derivatives; `growth`: what convection and a diffusion that varies make of functions
+- `corner_functions`: powers and logarithms in the coordinates of two leaves by `singular_loops`; `formulas`: these as
+  expressions; `choice`: which corners have some beside splines
 """
