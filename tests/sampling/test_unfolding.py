@@ -7,7 +7,7 @@ import pytest
 from oracles.closeness import assert_close
 
 import rsym
-from rsym.sampling.sharp import finishing, unfolding
+from rsym.sampling.sharp import finishing, unfolding, untangling
 from rsym.sampling.sharp.faces import Adjacency, facing_inwards
 
 pytestmark = pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
@@ -83,6 +83,17 @@ def test_what_is_kept_around_vertices_is_what_would_be_found_anew(monkeypatch):
     anew = rsym.Mesher(car)(64)
     assert np.array_equal(kept.vertices, anew.vertices)
     assert np.array_equal(kept.faces, anew.faces)
+
+
+def test_in_whichever_groups_clusters_are_untangled_the_mesh_is_the_same(monkeypatch):
+    mesher = rsym.Mesher(rsym.paper.car())
+    meshes = []
+    for groups in (1, 6):
+        monkeypatch.setattr(untangling, "GROUPS", groups)
+        monkeypatch.setattr(untangling, "GROUP", 1)
+        meshes.append(mesher(64))
+    assert np.array_equal(meshes[0].vertices, meshes[1].vertices)
+    assert np.array_equal(meshes[0].faces, meshes[1].faces)
 
 
 class Flat:

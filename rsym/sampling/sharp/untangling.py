@@ -11,6 +11,7 @@ Folds far from each other lie in clusters that do not touch: nothing of one depe
 from __future__ import annotations
 
 from concurrent.futures import Executor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,7 +174,7 @@ class _Patch:
         moved = np.zeros(len(self.ids), np.bool_)
         if len(which):
             moved[self._move(which, self.leaves[:, which], start)] = True
-        changed = moved[self._corners(FOUR, quads)].any(axis=1)
+        changed: Flags = np.asarray(moved[self._corners(FOUR, quads)].any(axis=1))
         self.stale[quads] |= changed
         asked = self.stale[quads]
         some = quads[asked]
@@ -183,7 +184,7 @@ class _Patch:
         changed[asked] |= self.stale[some]
         self._judge(quads[changed])
 
-    def _amid(self, quads: Ints) -> tuple[Ints, Floats]:
+    def _amid(self, quads: Ints) -> tuple[Any, Floats]:
         """Vertices that have neighbours to follow, and places (3, m) amid these; all others are where they are."""
         count, movable = len(self.ids), np.zeros(len(self.ids), np.bool_)
         movable[self._corners(FOUR, quads)] = True
@@ -242,15 +243,15 @@ class _Patch:
 
 @loop
 def _amid(
-    first: Faces,
-    at: Faces,
+    first: Any,
+    at: Any,
     corners: Faces,
     leaf: Shorts,
     movable: Flags,
     several: Ints,
-    which: Ints,
+    which: Any,
     start: Ints,
-    neighbour: Ints,
+    neighbour: Any,
     places: Floats,
 ) -> int:
     """Vertices amid their neighbours, along seams if they are on one: how many have such; the rest is filled.
