@@ -89,8 +89,9 @@ from .problems.elastic.equilibrium import Forces
 from .problems.elastic.result import ElasticSolution, PlaneTensor
 from .problems.elastic.solving import elasticity
 from .problems.elastic.supports import displacement, fixed, pressure, roller, traction
+from .problems.extremes import Attained
 from .problems.interpolation import interpolate
-from .problems.solution import Attained, Solution
+from .problems.solution import Solution
 from .problems.solution_report import SolutionReport
 from .problems.solution_structures import solution_structure
 from .problems.solving import solve

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,6 +21,21 @@ from rsym.sampling.rules.quadrature import Quadrature
 STEPS = 8
 MOST = 64  # starts on the boundary
 BESIDE = 2.0  # cells: as near leaves are that may meet there
+
+
+class Attained(NamedTuple):
+    """A value of a field, and a point where it has it.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> top = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).maximum()
+    >>> round(top.value, 12), len(top.point)
+    (0.25, 2)
+    """
+
+    value: float
+    point: tuple[float, ...]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -19,11 +19,10 @@ from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.combinations import add_beside, weighted
-from rsym.problems.corners.choice import ON_AXIS
-from rsym.problems.extremes import Extremes
+from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.limits import with_limits
-from rsym.problems.places import inside, on_shape, rule_on
+from rsym.problems.places import inside, on_shape, rule_for
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
 from rsym.problems.problem import Problem, beside_at, on_cells, on_part, oriented
@@ -41,28 +40,7 @@ from rsym.sampling.stills import line_picture
 
 AT_ONCE = 1 << 18  # points
 SKETCHED, SKETCH = 6, 72  # level lines in a notebook, on a lattice of so many cells
-# The rule has so many points more than the degree along each direction of a cell.
-MORE_POINTS = 4
-# And so many on few cells of a smooth shape in the plane: an answer that is a weight times a spline has a hundred to
-# ten thousand times smaller an error then, of the rule alone (disc and ellipse on 6 cells of degree 4: 1e-9 to 1e-12),
-# for a twelfth of the time more. With functions at corners it were a third more, and nothing is gained there.
-MORE_ON_FEW, FEW_CELLS = 6, 8
 SURE = 0.05  # an estimated error, where errors are amplified: of an answer with a larger one next to nothing is known
-
-
-class Attained(NamedTuple):
-    """A value of a field, and a point where it has it.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> top = rsym.solve(rsym.disc(1), "-laplacian(u) = 1", 0, cells=8).maximum()
-    >>> round(top.value, 12), len(top.point)
-    (0.25, 2)
-    """
-
-    value: float
-    point: tuple[float, ...]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -321,34 +299,6 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
     """The same solution, that knows its rule already."""
     solution.__dict__["rule"] = rule
     return solution
-
-
-def rule_order(problem: Problem, cells: int, degree: int) -> int:
-    """How many points a rule has along each direction of a cell."""
-    plain = problem.dimension == 2 and not problem.has_corners
-    return degree + (MORE_ON_FEW if plain and cells <= FEW_CELLS else MORE_POINTS)
-
-
-def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
-    """The rule of integration of a problem, graded towards corners that have functions of their own."""
-    near = None if problem.corners is None else problem.corners.functions.grading
-    if problem.cuts:
-        near = problem.switches.graded(near)
-    rule = rule_on(problem.shape, problem.named, cells, order, near)
-    if problem.cuts:
-        problem.switches.require_apart(rule.grid.size, cells)
-        rule = problem.switches.relabelled(rule)
-    if problem.axis >= 0:
-        across = rule.points[:, 1 - problem.axis]
-        least, most = float(across.min()), float(across.max())
-        if min(-least, most) > ON_AXIS * max(-least, most):
-            raise RsymError(
-                f"the shape is on both sides of the axis, from {least:.4g} to {most:.4g}",
-                code="axis",
-                remedy="give half of the section: shape & rsym.half_plane"
-                f"({(1, 0) if problem.axis else (0, 1)}, 0) for axis={problem.shape.coordinates[problem.axis]}",
-            )
-    return rule
 
 
 def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:

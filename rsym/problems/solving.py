@@ -19,12 +19,12 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, with_letters_of
 from rsym.problems.equations import equation_of
 from rsym.problems.peaks import of_problem, unseen
-from rsym.problems.places import relettered
+from rsym.problems.places import relettered, rule_for, rule_order
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
-from rsym.problems.solution import Solution, estimated, rule_for, rule_order, solved, solved_alone, with_rule
+from rsym.problems.solution import Solution, estimated, solved, solved_alone, with_rule
 from rsym.sampling.progress import Progress
 
 

@@ -20,10 +20,11 @@ from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.left_behind import portable
 from rsym.problems.peaks import unseen, varies
+from rsym.problems.places import MORE_POINTS, rule_for
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
 from rsym.problems.refinement import TOLERANCE, Grade, last_degree, observed_order, refined
-from rsym.problems.solution import MORE_POINTS, Solution, rule_for, with_rule
+from rsym.problems.solution import Solution, with_rule
 from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, missed, problem_of
 from rsym.problems.systems.forms import CellPoints, extended

@@ -14,11 +14,12 @@ from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.equations import equation_of
+from rsym.problems.extremes import Attained
 from rsym.problems.loops import loops_of
-from rsym.problems.places import relettered
+from rsym.problems.places import relettered, rule_for, rule_order
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import Grade, last_degree, observed_order, refined
-from rsym.problems.solution import Attained, Solution, rule_for, rule_order, solved
+from rsym.problems.solution import Solution, solved
 from rsym.problems.solving import checked_degree
 from rsym.sampling.progress import Progress
 

@@ -203,7 +203,7 @@ def test_it_pickles_without_functions_that_no_pickle_holds():
 
 def test_threads_do_not_change_bits():
     from rsym.problems.galerkin import Discretisation
-    from rsym.problems.solution import rule_for
+    from rsym.problems.places import rule_for
     from rsym.problems.solving import problem_of
 
     problem = problem_of(RING, "-div((1 + x^2)*grad(u)) = 1", 0)

@@ -15,8 +15,8 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import STRAIN, ElasticBody
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
-from rsym.problems.places import on_shape, relettered, rule_on
-from rsym.problems.solution import MORE_POINTS, Solution, with_rule
+from rsym.problems.places import MORE_POINTS, on_shape, relettered, rule_on
+from rsym.problems.solution import Solution, with_rule
 from rsym.problems.solution_report import SolutionReport, reported
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.linear import solve_system

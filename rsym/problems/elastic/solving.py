@@ -19,9 +19,8 @@ from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody
 from rsym.problems.elastic.result import ElasticSolution, in_equilibrium
 from rsym.problems.elastic.supports import EXAMPLES, Pressure, Traction, as_support, vector
 from rsym.problems.peaks import of_problem, unseen, varies
-from rsym.problems.places import rule_on
+from rsym.problems.places import MORE_POINTS, rule_on
 from rsym.problems.refinement import TOLERANCE, refined
-from rsym.problems.solution import MORE_POINTS
 from rsym.problems.solving import checked_degree, lettered
 from rsym.sampling.progress import Progress
 from rsym.sampling.rules.quadrature import Quadrature
