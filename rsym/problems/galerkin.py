@@ -33,6 +33,7 @@ from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValu
 from rsym.sampling.rules.quadrature import Quadrature
 
 BENDING = "d"  # the coefficient of a bilaplacian
+AT_ONCE = 65536  # points
 Jets = Callable[[Floats], Floats]
 
 
@@ -319,6 +320,17 @@ class Discretisation:
             total[0, total.shape[1] - self.extra_count + number] += flow
         right: Floats = total[0]
         return right
+
+    @cached_property
+    def lift_size(self) -> float:
+        """The root of the energy of the lift: if it is the solution what is left of its loads is rounding beside it."""
+        lift, total = self.problem.lift(self.problem.order), 0.0
+        for where, form in self._forms() if lift is not None else ():
+            for first in range(0, len(where.points), AT_ONCE):
+                some = slice(first, first + AT_ONCE)
+                values = _defined(lift)(where.points[some])
+                total += abs(float(np.einsum("kn,nkl,ln->", values, form(some, where.points[some]), values)))
+        return float(np.sqrt(total))
 
     def _forms(self) -> list[tuple[CellPoints, FormAt]]:
         """The forms of the whole equation, with where they are integrated."""

@@ -329,6 +329,7 @@ def solved(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solut
         symmetric=problem.equation.symmetric,
         last=discrete.extra_count,
         held=bool(problem.leaves(Dirichlet, Clamped)) and not problem.leaves(Robin),
+        beside=discrete.lift_size,
     )
     inner = discrete.splines.extension.shape[1]
     told = reported(rule, cells, degree, found).of_corners(problem.corners)

@@ -31,6 +31,7 @@ UNSURE, SINGULAR = 1e-6, 1e-3
 # Splines that reach far beyond thin parts of a shape are nearly made up by others: a step changes their numbers by up
 # to this share, though not what they add up to.
 FAINT = 1e-4
+NOTHING = 1e-12  # of the energy, by its root, of what an answer is added to
 DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
 MOST_SHIFTS = 30
 # Functions with a mass up to which their rank is found, and the share of the largest size that is rounding.
@@ -79,6 +80,7 @@ def solve_system(
     symmetric: bool = True,
     last: int = 0,
     held: bool = False,
+    beside: float = 0.0,
 ) -> Solved:
     """The solution: by factors of a small system or an indefinite one, else by conjugate gradients.
 
@@ -86,6 +88,7 @@ def solve_system(
 
     last : of so many unknowns at the end those are 0 whose functions the others make up but for rounding.
     held : conditions fix the solution, so what is not sure is what functions share of it.
+    beside : the root of the energy of what the solution is added to: what is not sure may be nothing beside it.
     """
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
@@ -101,20 +104,26 @@ def solve_system(
         made, steps = stabilised_gradients(scaled, wanted)
         found = made
         if not norm(wanted - scaled @ made) <= UNEVEN_SMALL * size:
-            found, _ = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
+            found, _ = _by_factors(
+                scaled, wanted, definite=definite, dimension=dimension, last=last, held=held, beside=beside
+            )
             steps = 0
     else:
-        found, condition = _by_factors(scaled, wanted, definite=definite, dimension=dimension, last=last, held=held)
+        found, condition = _by_factors(
+            scaled, wanted, definite=definite, dimension=dimension, last=last, held=held, beside=beside
+        )
     if found is None:
-        return _without(matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric, held=held)
+        return _without(
+            matrix, right, last, definite=definite, dimension=dimension, symmetric=symmetric, held=held, beside=beside
+        )
     residual = norm(wanted - scaled @ found) / size
-    if not residual <= UNSURE:
+    if not residual <= UNSURE and not residual * size <= NOTHING * beside:
         raise nearly_singular()
     return Solved(scale * found, steps, residual, condition)
 
 
 def _by_factors(
-    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int, held: bool
+    matrix: sparse.csr_matrix, right: Floats, *, definite: bool, dimension: int, last: int, held: bool, beside: float
 ) -> tuple[Floats | None, float | None]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
@@ -133,10 +142,14 @@ def _by_factors(
     # answer which is not sure is small too; then the first unknowns alone have none.
     unsure = norm(correction) / norm(found)
     first = slice(len(right) - last)
-    beside = last and (definite or unsure < SINGULAR or _coercive(matrix[first, first]))
-    if unsure > UNSURE and (beside or (definite and held and unsure <= FAINT)):
+    if unsure > UNSURE and definite and np.sqrt(abs(np.sum(correction * (matrix @ correction)))) <= NOTHING * beside:
+        unsure = 0.0
+    shared = last and (definite or unsure < SINGULAR or _coercive(matrix[first, first]))
+    if unsure > UNSURE and (shared or (definite and held and unsure <= FAINT)):
         if last:
-            solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension, held=held)
+            solve_system(
+                matrix[first, first], right[first], definite=definite, dimension=dimension, held=held, beside=beside
+            )
         unsure = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
     if not unsure <= UNSURE:
         return None, None
@@ -155,7 +168,15 @@ def _coercive(matrix: sparse.csr_matrix) -> bool:
 
 
 def _without(
-    matrix: sparse.csr_matrix, right: Floats, last: int, *, definite: bool, dimension: int, symmetric: bool, held: bool
+    matrix: sparse.csr_matrix,
+    right: Floats,
+    last: int,
+    *,
+    definite: bool,
+    dimension: int,
+    symmetric: bool,
+    held: bool,
+    beside: float,
 ) -> Solved:
     """The solution where those of the last unknowns are 0 that others make up for; refused if none of them is such."""
     scale = sparse.diags(scales(matrix))
@@ -171,6 +192,7 @@ def _without(
         symmetric=symmetric,
         last=int(own.sum()),
         held=held,
+        beside=beside,
     )
     values = np.zeros_like(right)
     values[kept] = some.values
