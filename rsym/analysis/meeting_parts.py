@@ -60,6 +60,8 @@ def joined_values(one: OnPart, other: OnPart, coordinates: Sequence[sp.Symbol], 
     y**2 + x*(x**2 - y**2)/(x + y)
     """
     difference = other.function - one.function
+    if difference == 0:
+        return one.function
     total = one.weight + other.weight
     if corner is None:
         return one.function + zero_with(one.weight, one.weight / total * difference)

@@ -27,14 +27,21 @@ from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.rules import splines_of
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import SystemBorder
-from rsym.problems.systems.cell_code import apply_forms
-from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, extended
+from rsym.problems.systems.forms import (
+    Assembler,
+    CellPoints,
+    FormAt,
+    LoadAt,
+    Some,
+    Weight,
+    applied_form,
+    energy,
+    extended,
+)
 from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
 
 BENDING = "d"  # the coefficient of a bilaplacian
-AT_ONCE = 65536  # points
-Jets = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -324,13 +331,8 @@ class Discretisation:
     @cached_property
     def lift_size(self) -> float:
         """The root of the energy of the lift: if it is the solution what is left of its loads is rounding beside it."""
-        lift, total = self.problem.lift(self.problem.order), 0.0
-        for where, form in self._forms() if lift is not None else ():
-            for first in range(0, len(where.points), AT_ONCE):
-                some = slice(first, first + AT_ONCE)
-                values = _defined(lift)(where.points[some])
-                total += abs(float(np.einsum("kn,nkl,ln->", values, form(some, where.points[some]), values)))
-        return float(np.sqrt(total))
+        lift = self.problem.lift(self.problem.order)
+        return 0.0 if lift is None else float(np.sqrt(sum(energy(*part, _defined(lift)) for part in self._forms())))
 
     def _forms(self) -> list[tuple[CellPoints, FormAt]]:
         """The forms of the whole equation, with where they are integrated."""
@@ -365,7 +367,7 @@ class Discretisation:
         return sparse.bmat([[own, across], [down.T, among]], format="csr")
 
 
-def _defined(lift: Jets) -> Jets:
+def _defined(lift: Weight) -> Weight:
     """The derivatives of a lift; refused where there are none."""
 
     def found(points: Floats) -> Floats:
@@ -393,19 +395,6 @@ def single_load(weights: Floats, kinds: int) -> LoadAt:
     def load(some: Some, points: Floats) -> Floats:
         found = np.zeros((len(points), kinds, 1))
         found[:, 0, 0] = weights[some]
-        return found
-
-    return load
-
-
-def applied_form(form: FormAt, given: Jets) -> LoadAt:
-    """The load that a form makes of a given function, whose derivatives are (kinds, n)."""
-
-    def load(some: Some, points: Floats) -> Floats:
-        values = np.ascontiguousarray(form(some, points))
-        functions = np.ascontiguousarray(given(points).T[:, :, None])
-        found = np.empty((*values.shape[:2], 1))
-        apply_forms(values, functions, found)
         return found
 
     return load

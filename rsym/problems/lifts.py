@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations
 from typing import Any, NamedTuple
 
@@ -25,6 +26,7 @@ from rsym.problems.interpolation import interpolate
 from rsym.problems.parts import Parts, formula, parts_of
 from rsym.program.raising import raised
 
+MOST_SIDES = 6  # leaves, each of which is a part of its own: straight ones make smooth lifts, their products do not
 DEGREE = 3  # of Taylor's polynomials of differences of data
 REACH = 0.25  # of the longest side: how far from corners maps to curved parts are good
 TANGENT = 0.999  # the cosine between parts that are taken for one curve where they meet
@@ -71,67 +73,61 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Ex
     return lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {})
 
 
-def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[Name, sp.Expr]) -> sp.Expr:
-    """An expression with values on parts: of those that meet `by_pairs`; some weights have factors.
+def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[int, sp.Expr]) -> sp.Expr:
+    """An expression with values on parts: of those that meet `by_pairs`; the weights of some leaves have factors.
 
     These are 0 in points at most. Powers of the weights themselves, which they stand for, have gradients beyond all
     bounds where their parts meet others. If no parts meet it is the sum of u_i/w_i over that of 1/w_i.
     """
     parts.require_all()
     parts.require_agreement({name: value for name, value in values.items() if name in parts.leaves})
-    alike: dict[sp.Expr, list[Name]] = {}
-    for name in parts.leaves:
-        alike.setdefault(values[name], []).append(name)
-    sides = [_Side(value, tuple(names)) for value, names in alike.items()]
-    pieces = [OnPart(side.value, _weight(parts, side, factors)) for side in sides]
-    if not pieces:
+    own: dict[int, sp.Expr] = {leaf: values[name] for name, leaves in parts.leaves.items() for leaf in leaves}
+    alike: dict[object, list[int]] = {}
+    for leaf, value in own.items():
+        alike.setdefault(leaf if len(own) <= MOST_SIDES else value, []).append(leaf)
+    sides = [_Side(str(k), own[leaves[0]], tuple(leaves)) for k, leaves in enumerate(alike.values())]
+    if not sides:
         return sp.S.Zero
+    parts = replace(parts, leaves={side.name: side.leaves for side in sides})
+    pieces = [OnPart(side.value, _weight(parts, side, factors)) for side in sides]
     made: list[tuple[tuple[int, ...], sp.Expr]] = []
     for one, other in combinations(range(len(sides)), 2):
-        points = _meeting(parts, sides[one], sides[other])
+        points = parts.meeting(sides[one].name, sides[other].name)[0]
         if len(points):
             both = sides[one], sides[other]
-            switched = any(name in factors for side in both for name in side.names)
+            switched = any(leaf in factors for side in both for leaf in side.leaves)
             corner = None if switched else _corner(parts, *both, points)
-            values_of_both = joined_values(pieces[one], pieces[other], parts.shape.coordinates, corner)
-            made.append(((one, other), values_of_both))
+            made.append(((one, other), joined_values(pieces[one], pieces[other], parts.shape.coordinates, corner)))
     if not made:
         return inverse_distances(pieces, 1)
     alone = {*range(len(sides))} - {number for pair, _ in made for number in pair}
-    return by_pairs(_of_usual_size(parts, sides, pieces), [*made, *(((k,), pieces[k].function) for k in sorted(alone))])
+    return by_pairs(_of_usual_size(parts, pieces), [*made, *(((k,), pieces[k].function) for k in sorted(alone))])
 
 
 class _Side(NamedTuple):
-    """Parts with one value."""
+    """Leaves with one value."""
 
+    name: Name
     value: sp.Expr
-    names: tuple[Name, ...]
-
-    def leaves(self, parts: Parts) -> list[int]:
-        """Of all of them."""
-        return [leaf for name in self.names for leaf in parts.leaves[name]]
+    leaves: tuple[int, ...]
 
 
-def _weight(parts: Parts, side: _Side, factors: Mapping[Name, sp.Expr]) -> sp.Expr:
-    node = weight(parts.form, side.leaves(parts))
+def _weight(parts: Parts, side: _Side, factors: Mapping[int, sp.Expr]) -> sp.Expr:
+    node = weight(parts.form, side.leaves)
     assert node is not None
-    return sp.Mul(*(factors.get(name, sp.S.One) for name in side.names)) * raised(parts.form.builder.nodes, node)
-
-
-def _meeting(parts: Parts, one: _Side, other: _Side) -> Floats:
-    """Points where parts of both meet."""
-    return np.vstack([parts.meeting(a, b)[0] for a in one.names for b in other.names])
+    own = dict.fromkeys(factors[leaf] for leaf in side.leaves if leaf in factors)
+    return sp.Mul(*own) * raised(parts.form.builder.nodes, node)
 
 
 def _corner(parts: Parts, one: _Side, other: _Side, points: Floats) -> Corner | None:
     """What maps to parts are made of; None where nothing of few factors is 0 on them, or values are not smooth."""
-    if max(len(one.leaves(parts)), len(other.leaves(parts))) > MOST_FACTORS:
+    if one.value == other.value or max(len(one.leaves), len(other.leaves)) > MOST_FACTORS:
         return None
     if not _smooth(parts, other.value - one.value, points):
         return None
     nodes, zeros, slopes = parts.form.builder.nodes, [], []
     for side in (one, other):
-        function = sp.Mul(*(raised(nodes, parts.form.leaves[leaf]) for leaf in side.leaves(parts)))
+        function = sp.Mul(*(raised(nodes, parts.form.leaves[leaf]) for leaf in side.leaves))
         kernel = compile(parts.shape.replace(expression=function), ("gradient",), backend="numpy")
         with np.errstate(all="ignore"):
             slopes.append(kernel(*points.T)["gradient"])
@@ -177,9 +173,9 @@ def _near_power(size: float) -> sp.Rational:
     return sp.Integer(2) ** round(math.log2(size))
 
 
-def _of_usual_size(parts: Parts, sides: Sequence[_Side], pieces: Sequence[OnPart]) -> list[OnPart]:
+def _of_usual_size(parts: Parts, pieces: Sequence[OnPart]) -> list[OnPart]:
     """The pieces with weights that are about 1 on the other parts."""
-    points = [np.vstack([parts.points(name) for name in side.names]) for side in sides]
+    points = [parts.points(name) for name in parts.leaves]
     found = []
     for k, piece in enumerate(pieces):
         others = np.vstack([some for j, some in enumerate(points) if j != k])
