@@ -31,29 +31,29 @@ from rsym.model.vectors import Vector, dot, squared
 PLAIN_ANGLE = sp.Rational(1, 10)  # the least sin**2 between straight parts whose maps need no bounds
 
 
-class Zeros(NamedTuple):
+class Vanishing(NamedTuple):
     """A smooth function that is 0 on a part, and beyond it, and how steep it is."""
 
     function: sp.Expr
     slope: sp.Expr
 
 
-class Corner(NamedTuple):
+class MeetingParts(NamedTuple):
     """Where two parts meet: what is 0 on each; how far away maps are good; the degree of Taylor's polynomials."""
 
-    first: Zeros
-    second: Zeros
+    first: Vanishing
+    second: Vanishing
     length: sp.Expr
     degree: int
 
 
-def joined_values(one: OnPart, other: OnPart, coordinates: Sequence[sp.Symbol], corner: Corner | None) -> sp.Expr:
+def joined_values(one: OnPart, other: OnPart, coordinates: Sequence[sp.Symbol], corner: MeetingParts | None) -> sp.Expr:
     """A function with values on two parts; without a corner by shares alone.
 
     Examples
     --------
     >>> from rsym import x, y
-    >>> corner = Corner(Zeros(x, sp.S.One), Zeros(y, sp.S.One), sp.S.One, 2)
+    >>> corner = MeetingParts(Vanishing(x, sp.S.One), Vanishing(y, sp.S.One), sp.S.One, 2)
     >>> sp.expand(joined_values(OnPart(y**2, x), OnPart(x**2, y), (x, y), corner))
     x**2 + y**2
     >>> joined_values(OnPart(y**2, x), OnPart(x**2, y), (x, y), None)
@@ -94,7 +94,7 @@ def by_pairs(pieces: Sequence[OnPart], met: Sequence[tuple[tuple[int, ...], sp.E
     return first + zero_with(total, more / total)
 
 
-def _way(to: Zeros, along: Zeros, length: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Vector:
+def _way(to: Vanishing, along: Vanishing, length: sp.Expr, coordinates: Sequence[sp.Symbol]) -> Vector:
     """From a point to the zeros of one function along the level lines of the other, near zeros of both; nought on them.
 
     Newton's step is -p*v/(v . grad p), v the part of grad p across grad q: v . grad p is Gram's determinant G times

@@ -37,6 +37,7 @@ from rsym.problems.systems.forms import (
     applied_form,
     energy,
     extended,
+    transposed,
 )
 from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
@@ -387,19 +388,3 @@ def at_values(weights: Floats, kinds: int) -> FormAt:
         return found
 
     return form
-
-
-def single_load(weights: Floats, kinds: int) -> LoadAt:
-    """The load weights*v."""
-
-    def load(some: Some, points: Floats) -> Floats:
-        found = np.zeros((len(points), kinds, 1))
-        found[:, 0, 0] = weights[some]
-        return found
-
-    return load
-
-
-def transposed(form: FormAt) -> FormAt:
-    """The form with tests and functions changed for each other."""
-    return lambda some, points: form(some, points).transpose(0, 2, 1)

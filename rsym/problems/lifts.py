@@ -13,7 +13,7 @@ import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
 from rsym.analysis.differential import derivative
-from rsym.analysis.meeting_parts import Corner, Zeros, by_pairs, joined_values
+from rsym.analysis.meeting_parts import MeetingParts, Vanishing, by_pairs, joined_values
 from rsym.analysis.transfinite import OnPart, inverse_distances
 from rsym.arrays import Floats
 from rsym.backends.kernel import compile
@@ -85,10 +85,15 @@ def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[int, 
     alike: dict[object, list[int]] = {}
     for leaf, value in own.items():
         alike.setdefault(leaf if len(own) <= MOST_SIDES else value, []).append(leaf)
-    sides = [_Side(str(k), own[leaves[0]], tuple(leaves)) for k, leaves in enumerate(alike.values())]
+    named = {tuple(leaves): name for name, leaves in parts.leaves.items()}
+    sides = [
+        _Side(named.get(tuple(leaves), f"side {k}"), own[leaves[0]], tuple(leaves))
+        for k, leaves in enumerate(alike.values())
+    ]
     if not sides:
         return sp.S.Zero
-    parts = replace(parts, leaves={side.name: side.leaves for side in sides})
+    if {side.name for side in sides} != {*parts.leaves}:  # where these meet is known
+        parts = replace(parts, leaves={side.name: side.leaves for side in sides})
     pieces = [OnPart(side.value, _weight(parts, side, factors)) for side in sides]
     made: list[tuple[tuple[int, ...], sp.Expr]] = []
     for one, other in combinations(range(len(sides)), 2):
@@ -119,7 +124,7 @@ def _weight(parts: Parts, side: _Side, factors: Mapping[int, sp.Expr]) -> sp.Exp
     return sp.Mul(*own) * raised(parts.form.builder.nodes, node)
 
 
-def _corner(parts: Parts, one: _Side, other: _Side, points: Floats) -> Corner | None:
+def _corner(parts: Parts, one: _Side, other: _Side, points: Floats) -> MeetingParts | None:
     """What maps to parts are made of; None where nothing of few factors is 0 on them, or values are not smooth."""
     if one.value == other.value or max(len(one.leaves), len(other.leaves)) > MOST_FACTORS:
         return None
@@ -134,11 +139,11 @@ def _corner(parts: Parts, one: _Side, other: _Side, points: Floats) -> Corner | 
         steep = np.linalg.norm(slopes[-1], axis=1)
         if not (np.isfinite(steep).all() and steep.all()):
             return None
-        zeros.append(Zeros(function, _near_power(float(np.median(steep)))))
+        zeros.append(Vanishing(function, _near_power(float(np.median(steep)))))
     lengths = np.prod([np.linalg.norm(slope, axis=1) for slope in slopes], axis=0)
     if (np.abs(np.sum(slopes[0] * slopes[1], axis=1)) > TANGENT * lengths).any():
         return None
-    return Corner(*zeros, _near_power(REACH * float(np.diff(parts.box, axis=1).max())), DEGREE)
+    return MeetingParts(*zeros, _near_power(REACH * float(np.diff(parts.box, axis=1).max())), DEGREE)
 
 
 def _smooth(parts: Parts, value: sp.Expr, met: Floats) -> bool:

@@ -281,3 +281,19 @@ def energy(where: CellPoints, form: FormAt, given: Weight) -> float:
         values = given(where.points[some])
         total += float(np.einsum("kn,nkl,ln->", values, form(some, where.points[some]), values))
     return abs(total)
+
+
+def single_load(weights: Floats, kinds: int) -> LoadAt:
+    """The load weights*v."""
+
+    def load(some: Some, points: Floats) -> Floats:
+        found = np.zeros((len(points), kinds, 1))
+        found[:, 0, 0] = weights[some]
+        return found
+
+    return load
+
+
+def transposed(form: FormAt) -> FormAt:
+    """The form with tests and functions changed for each other."""
+    return lambda some, points: form(some, points).transpose(0, 2, 1)
