@@ -27,13 +27,21 @@ from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.rules import splines_of
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import BesideAt, SystemBorder
-from rsym.problems.systems.cell_code import apply_forms
-from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, extended
+from rsym.problems.systems.forms import (
+    Assembler,
+    CellPoints,
+    FormAt,
+    LoadAt,
+    Some,
+    applied_form,
+    energy,
+    extended,
+    transposed,
+)
 from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
 
 BENDING = "d"  # the coefficient of a bilaplacian
-Jets = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True)
@@ -325,6 +333,15 @@ class Discretisation:
         right: Floats = total[0]
         return right
 
+    @cached_property
+    def lift_size(self) -> float:
+        """The root of the energy of the lift: if it is the solution what is left of its loads is rounding beside it."""
+        lift = self.problem.lift(self.problem.order)
+        if lift is None:
+            return 0.0
+        given = defined("the value on the boundary, as it goes on inside,", lift)
+        return float(np.sqrt(abs(sum(energy(*part, given) for part in self.forms()))))
+
     def forms(self) -> list[tuple[CellPoints, FormAt]]:
         """The forms of the whole equation, with where they are integrated."""
         on_edges = [(part.where, part.form_at) for part in self.edge_parts if part.has_form]
@@ -367,32 +384,3 @@ def at_values(weights: Floats, kinds: int) -> FormAt:
         return found
 
     return form
-
-
-def single_load(weights: Floats, kinds: int) -> LoadAt:
-    """The load weights*v."""
-
-    def load(some: Some, points: Floats) -> Floats:
-        found = np.zeros((len(points), kinds, 1))
-        found[:, 0, 0] = weights[some]
-        return found
-
-    return load
-
-
-def applied_form(form: FormAt, given: Jets) -> LoadAt:
-    """The load that a form makes of a given function, whose derivatives are (kinds, n)."""
-
-    def load(some: Some, points: Floats) -> Floats:
-        values = np.ascontiguousarray(form(some, points))
-        functions = np.ascontiguousarray(given(points).T[:, :, None])
-        found = np.empty((*values.shape[:2], 1))
-        apply_forms(values, functions, found)
-        return found
-
-    return load
-
-
-def transposed(form: FormAt) -> FormAt:
-    """The form with tests and functions changed for each other."""
-    return lambda some, points: form(some, points).transpose(0, 2, 1)

@@ -2,28 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import combinations
+from typing import Any, NamedTuple
 
+import numpy as np
 import sympy as sp
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
+from rsym.analysis.differential import derivative
+from rsym.analysis.meeting_parts import MeetingParts, Vanishing, by_pairs, joined_values
 from rsym.analysis.transfinite import OnPart, inverse_distances
-from rsym.logic.weights import weight
+from rsym.arrays import Floats
+from rsym.backends.kernel import compile
+from rsym.logic.weights import MOST_FACTORS, weight
+from rsym.model.nodes import RealNode
 from rsym.model.shape import Shape
-from rsym.model.symbols import symbols_of
+from rsym.model.symbols import postorder, symbols_of
 from rsym.problems.conditions import Name
 from rsym.problems.interpolation import interpolate
 from rsym.problems.parts import Parts, formula, parts_of
 from rsym.program.raising import raised
 
+MOST_SIDES = 6  # leaves, each of which is a part of its own: straight ones make smooth lifts, their products do not
+DEGREE = 3  # of Taylor's polynomials of differences of data
+REACH = 0.25  # of the longest side: how far from corners maps to curved parts are good
+TANGENT = 0.999  # the cosine between parts that are taken for one curve where they meet
+ROUGH = 1e4  # third derivatives on the boundary, by the longest side, beyond which data have roots or poles beside it
+ENTIRE = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh)
+ANALYTIC = (sp.log, sp.tan, sp.tanh, sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh, sp.erf)
+
 
 def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Expr:
     """An expression that is u, and has the slopes of u, on the parts where these are given; 0 where they are 0.
 
-    Of one value for all of these parts it is that; else, without slopes, the sum of u_i/w_i over that of 1/w_i, w_i the
-    weights of the parts, which are positive inside: no power of them is as smooth. Where parts meet second derivatives
-    are not bounded, and orders of convergence fall.
+    Of one value for all of these parts it is that; else, without slopes, `lift_on`. Where parts meet at an angle it is
+    smooth, or its second derivatives are bounded where parts are curved; they grow like 1/r where it has the shares of
+    distances alone: where parts touch, for values with kinks or with poles beside the shape, and for parts of more
+    than 6 leaves.
 
     Raises
     ------
@@ -55,22 +73,125 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Ex
     return lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {})
 
 
-def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[Name, sp.Expr]) -> sp.Expr:
-    """An expression with values on parts: the sum of u_i/w_i over that of 1/w_i; some weights have factors.
+def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[int, sp.Expr]) -> sp.Expr:
+    """An expression with values on parts: of those that meet `by_pairs`; the weights of some leaves have factors.
 
     These are 0 in points at most. Powers of the weights themselves, which they stand for, have gradients beyond all
-    bounds where their parts meet others.
+    bounds where their parts meet others. If no parts meet it is the sum of u_i/w_i over that of 1/w_i.
     """
     parts.require_all()
     parts.require_agreement({name: value for name, value in values.items() if name in parts.leaves})
-    nodes = {name: weight(parts.form, leaves) for name, leaves in parts.leaves.items()}
-    made = parts.form.builder.nodes
-    pieces = [
-        OnPart(values[name], factors.get(name, sp.S.One) * raised(made, node))
-        for name, node in nodes.items()
-        if node is not None
+    own: dict[int, sp.Expr] = {leaf: values[name] for name, leaves in parts.leaves.items() for leaf in leaves}
+    alike: dict[object, list[int]] = {}
+    for leaf, value in own.items():
+        alike.setdefault(leaf if len(own) <= MOST_SIDES else value, []).append(leaf)
+    named = {tuple(leaves): name for name, leaves in parts.leaves.items()}
+    sides = [
+        _Side(named.get(tuple(leaves), f"side {k}"), own[leaves[0]], tuple(leaves))
+        for k, leaves in enumerate(alike.values())
     ]
-    return inverse_distances(pieces, 1) if pieces else sp.S.Zero
+    if not sides:
+        return sp.S.Zero
+    if {side.name for side in sides} != {*parts.leaves}:  # where these meet is known
+        parts = replace(parts, leaves={side.name: side.leaves for side in sides})
+    pieces = [OnPart(side.value, _weight(parts, side, factors)) for side in sides]
+    made: list[tuple[tuple[int, ...], sp.Expr]] = []
+    for one, other in combinations(range(len(sides)), 2):
+        points = parts.meeting(sides[one].name, sides[other].name)[0]
+        if len(points):
+            both = sides[one], sides[other]
+            switched = any(leaf in factors for side in both for leaf in side.leaves)
+            corner = None if switched else _corner(parts, *both, points)
+            made.append(((one, other), joined_values(pieces[one], pieces[other], parts.shape.coordinates, corner)))
+    if not made:
+        return inverse_distances(pieces, 1)
+    alone = {*range(len(sides))} - {number for pair, _ in made for number in pair}
+    return by_pairs(_of_usual_size(parts, pieces), [*made, *(((k,), pieces[k].function) for k in sorted(alone))])
+
+
+class _Side(NamedTuple):
+    """Leaves with one value."""
+
+    name: Name
+    value: sp.Expr
+    leaves: tuple[int, ...]
+
+
+def _weight(parts: Parts, side: _Side, factors: Mapping[int, sp.Expr]) -> sp.Expr:
+    node = weight(parts.form, side.leaves)
+    assert node is not None
+    own = dict.fromkeys(factors[leaf] for leaf in side.leaves if leaf in factors)
+    return sp.Mul(*own) * raised(parts.form.builder.nodes, node)
+
+
+def _corner(parts: Parts, one: _Side, other: _Side, points: Floats) -> MeetingParts | None:
+    """What maps to parts are made of; None where nothing of few factors is 0 on them, or values are not smooth."""
+    if one.value == other.value or max(len(one.leaves), len(other.leaves)) > MOST_FACTORS:
+        return None
+    if not _smooth(parts, other.value - one.value, points):
+        return None
+    nodes, zeros, slopes = parts.form.builder.nodes, [], []
+    for side in (one, other):
+        function = sp.Mul(*(raised(nodes, parts.form.leaves[leaf]) for leaf in side.leaves))
+        kernel = compile(parts.shape.replace(expression=function), ("gradient",), backend="numpy")
+        with np.errstate(all="ignore"):
+            slopes.append(kernel(*points.T)["gradient"])
+        steep = np.linalg.norm(slopes[-1], axis=1)
+        if not (np.isfinite(steep).all() and steep.all()):
+            return None
+        zeros.append(Vanishing(function, _near_power(float(np.median(steep)))))
+    lengths = np.prod([np.linalg.norm(slope, axis=1) for slope in slopes], axis=0)
+    if (np.abs(np.sum(slopes[0] * slopes[1], axis=1)) > TANGENT * lengths).any():
+        return None
+    return MeetingParts(*zeros, _near_power(REACH * float(np.diff(parts.box, axis=1).max())), DEGREE)
+
+
+def _smooth(parts: Parts, value: sp.Expr, met: Floats) -> bool:
+    """Whether a formula has derivatives all over the shape: it is entire, or its roots and the like are far away."""
+    doubtful = False
+    for part in postorder(value):
+        if isinstance(part, sp.Function | sp.Pow) and not part.is_number:
+            entire = isinstance(part, ENTIRE) or (
+                part.is_Pow and (part.base.is_number or (part.exp.is_Integer and part.exp > 0))
+            )
+            doubtful |= not entire
+            if not (entire or part.is_Pow or isinstance(part, ANALYTIC)):
+                return False
+        elif not (part.is_Add or part.is_Mul or part.is_Symbol or part.is_number):
+            return False
+    if not doubtful:
+        return True
+    shape, size = parts.shape, float(np.diff(parts.box, axis=1).max())
+    points = np.vstack([met, *(parts.points(name) for name in parts.leaves)])
+    with np.errstate(all="ignore"):
+        usual = np.abs(compile(shape.replace(expression=value), backend="numpy")(*points.T)["value"]).max()
+        for symbol in shape.coordinates:
+            steeper = shape.replace(expression=derivative(value, symbol))
+            third = np.abs(compile(steeper, ("hessian",), backend="numpy")(*points.T)["hessian"]).max()
+            if not third * size**3 <= ROUGH * usual:
+                return False
+    return True
+
+
+def _near_power(size: float) -> sp.Rational:
+    """The power of 2 next to it."""
+    return sp.Integer(2) ** round(math.log2(size))
+
+
+def _of_usual_size(parts: Parts, pieces: Sequence[OnPart]) -> list[OnPart]:
+    """The pieces with weights that are about 1 on the other parts."""
+    points = [parts.points(name) for name in parts.leaves]
+    found = []
+    for k, piece in enumerate(pieces):
+        others = np.vstack([some for j, some in enumerate(points) if j != k])
+        kernel = compile(parts.shape.replace(expression=piece.weight), backend="numpy")
+        with np.errstate(all="ignore"):
+            usual = float(np.nanmax(np.abs(kernel(*others.T)["value"])))
+        scale = _near_power(usual) if np.isfinite(usual) and usual > 0 else sp.S.One
+        # At re-entrant corners weights have kinks, their squares less so.
+        power = 2 if any(isinstance(part, RealNode) for part in postorder(piece.weight)) else 1
+        found.append(piece._replace(weight=(piece.weight / scale) ** power))
+    return found
 
 
 def _expression(shape: Shape, value: Any, name: Name) -> sp.Expr:

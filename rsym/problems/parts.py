@@ -45,10 +45,25 @@ class Parts:
     def _places(self) -> Places:
         return Places(self.shape, self.form, self.box, tuple(map(tuple, self.leaves.values())), self.between)
 
+    def points(self, name: Name) -> Floats:
+        """Some points (n, dim) of a part."""
+        return self._places.of(list(self.leaves).index(name))
+
+    def meeting(self, one: Name, other: Name) -> tuple[Floats, Floats]:
+        """Points (n, dim) where two parts meet, and (n,) how far off they may be."""
+        if (one, other) not in self._met:
+            numbers = list(self.leaves)
+            self._met[one, other] = self._places.meeting(numbers.index(one), numbers.index(other))
+        return self._met[one, other]
+
+    @cached_property
+    def _met(self) -> dict[tuple[Name, Name], tuple[Floats, Floats]]:
+        return {}
+
     def require_all(self) -> None:
         """Refuse a part that has nothing of the boundary where letters have their defaults."""
-        for k, name in enumerate(self.leaves):
-            if not len(self._places.of(k)):
+        for name in self.leaves:
+            if not len(self.points(name)):
                 values = ", ".join(f"{title} = {float(one.default):g}" for title, one in self.shape.letters.items())
                 raise RsymError(
                     f"{_called(name)} has nothing of the boundary{values and f' where {values}'}",
@@ -59,7 +74,7 @@ class Parts:
     def require_slopes(self, weights: Mapping[Name, sp.Expr]) -> None:
         """Refuse a part on which its weight is not normalised, for there the gradient of its formula is 0."""
         for name, expression in weights.items():
-            points = self._places.of(list(self.leaves).index(name))
+            points = self.points(name)
             kernel = compile(self.shape.replace(expression=expression), ("gradient",), backend="numpy")
             lengths = np.linalg.norm(kernel(*points.T)["gradient"], axis=1)
             if not (np.abs(lengths - 1) < UNIT).any():
@@ -71,11 +86,10 @@ class Parts:
 
     def require_agreement(self, data: Mapping[Name, sp.Expr]) -> None:
         """Refuse values of two parts that differ where these meet, letters at their defaults."""
-        numbers = list(self.leaves)
         for (one, f), (other, g) in combinations(data.items(), 2):
             if f == g:
                 continue
-            points, doubt = self._places.meeting(numbers.index(one), numbers.index(other))
+            points, doubt = self.meeting(one, other)
             if not len(points):
                 continue
             compared = _Compared(self.shape, f, g, self.box)

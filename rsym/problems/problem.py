@@ -192,13 +192,11 @@ class Problem:
         box = bounds_or_extent(self.shape, None)
         pairs = [(cut.leaf, len(self.form.leaves) + k) for k, cut in enumerate(self.cuts)]
         about = sp.Float((ABOUT * float(np.diff(box, axis=1).max())) ** 2)
-        factors: dict[Name, sp.Expr] = {}
-        for name, leaves in named.items():
-            for cut, pair in zip(self.cuts, pairs, strict=True):
-                if {*pair} & {*leaves}:
-                    edge = raised(self.form.builder.nodes, self.form.leaves[cut.leaf])
-                    away = edge**2 + cut.where**2
-                    factors[name] = factors.get(name, sp.S.One) * (away / (away + about)) ** SMOOTHLY
+        factors: dict[int, sp.Expr] = {}
+        for cut, pair in zip(self.cuts, pairs, strict=True):
+            edge = raised(self.form.builder.nodes, self.form.leaves[cut.leaf])
+            away = edge**2 + cut.where**2
+            factors |= dict.fromkeys(pair, (away / (away + about)) ** SMOOTHLY)
         between = {both: len(self.conditions) + k for k, pair in enumerate(pairs) for both in (pair, pair[::-1])}
         return lift_on(Parts(self.shape, named, self.split, box, between), dict(zip(named, own, strict=True)), factors)
 

@@ -21,9 +21,9 @@ import numpy as np
 
 from rsym.arrays import Floats, Ints
 from rsym.problems.combinations import add_beside, weighted
-from rsym.problems.galerkin import Discretisation, single_load
+from rsym.problems.galerkin import Discretisation
 from rsym.problems.problem import beside_at
-from rsym.problems.systems.forms import CellPoints
+from rsym.problems.systems.forms import CellPoints, single_load
 from rsym.problems.systems.iterations import SEED
 
 # Points of the rule that are looked at, of each unknown and at least: for two digits of a mean square.

@@ -176,6 +176,7 @@ def test_the_octree_is_refused_long_before_its_boxes_fill_the_memory(monkeypatch
 def test_force_goes_on(monkeypatch):
     for module in (memory, mesher):
         monkeypatch.setattr(module, "free_memory", lambda: 1e3)
+    monkeypatch.setattr(memory, "FEW", 0.0)
     for method in ("sharp", "smooth"):
         with pytest.raises(RsymError, match="of memory"):
             rsym.mesh(BALL, 24, method=method)

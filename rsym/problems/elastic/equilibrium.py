@@ -22,8 +22,8 @@ from rsym.errors import RsymError
 from rsym.model.wording import listing
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import ElasticBody
-from rsym.problems.galerkin import Discretisation, single_load
-from rsym.problems.systems.forms import CellPoints, Some, extended
+from rsym.problems.galerkin import Discretisation
+from rsym.problems.systems.forms import CellPoints, Some, extended, single_load
 from rsym.sampling.rules.quadrature import Quadrature
 
 AXES = range(2)

@@ -23,6 +23,7 @@ from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.axis_sums import axis_sums
 from rsym.problems.systems.cell_code import (
     LANES,
+    apply_forms,
     cell_loads,
     cell_matrices,
     compressed,
@@ -250,3 +251,49 @@ def extended(splines: WebSplines, matrix: sparse.csr_matrix, others: WebSplines 
     across = matrix[rows][:, ~columns] @ tops
     down = tails.T @ (matrix[~rows][:, columns] + matrix[~rows][:, ~columns] @ tops)
     return (middle + across + down).tocsr()
+
+
+def applied_form(form: FormAt, given: Weight) -> LoadAt:
+    """The load that a form makes of a given function, whose derivatives are (kinds, n)."""
+
+    def load(some: Some, points: Floats) -> Floats:
+        values = np.ascontiguousarray(form(some, points))
+        functions = np.ascontiguousarray(given(points).T[:, :, None])
+        found = np.empty((*values.shape[:2], 1))
+        apply_forms(values, functions, found)
+        return found
+
+    return load
+
+
+def energy(where: CellPoints, form: FormAt, given: Weight) -> float:
+    """The size of what a form gives of a function and itself, its derivatives being (kinds, n).
+
+    Examples
+    --------
+    >>> where = CellPoints(np.array([[0.5], [1.5]]), np.array([0, 1]))
+    >>> energy(where, lambda some, points: 2 * np.ones((len(points), 1, 1)), lambda points: points.T)
+    5.0
+    """
+    total = 0.0
+    for first in range(0, len(where.points), AT_ONCE * GRAIN):
+        some = slice(first, first + AT_ONCE * GRAIN)
+        values = given(where.points[some])
+        total += float(np.einsum("kn,nkl,ln->", values, form(some, where.points[some]), values))
+    return abs(total)
+
+
+def single_load(weights: Floats, kinds: int) -> LoadAt:
+    """The load weights*v."""
+
+    def load(some: Some, points: Floats) -> Floats:
+        found = np.zeros((len(points), kinds, 1))
+        found[:, 0, 0] = weights[some]
+        return found
+
+    return load
+
+
+def transposed(form: FormAt) -> FormAt:
+    """The form with tests and functions changed for each other."""
+    return lambda some, points: form(some, points).transpose(0, 2, 1)

@@ -41,6 +41,7 @@ UNSURE, SINGULAR = 1e-6, 1e-3
 # Splines that reach far beyond thin parts of a shape are nearly made up by others: a step changes their numbers by up
 # to this share, though not what they add up to.
 FAINT = 1e-4
+NOTHING = 1e-12  # of the energy, by its root, of what an answer is added to
 DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
 # Of a definite matrix, from which on some functions may be dependent. On the L of 64 cells of degree 6, of which 27 of
 # 39 functions are kept then, what an answer loses near a corner is 1e-9 of it and not 1e-7, as rounding made it.
@@ -101,6 +102,7 @@ def solve_system(
     held: bool = False,
     sifted: bool = False,
     size: Size | None = None,
+    beside: float = 0.0,
 ) -> Solved:
     """The solution: by factors of a small system or an indefinite one, else by conjugate gradients.
 
@@ -110,6 +112,7 @@ def solve_system(
     held : conditions fix the solution, so what is not sure is what functions share of it.
     sifted : it is known that the others do not make up the last ones.
     size : of what numbers of all functions add up to: it tells what is not sure where no energy does.
+    beside : the root of the energy of what the solution is added to: what is not sure may be nothing beside it.
     """
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
@@ -117,7 +120,7 @@ def solve_system(
     amount = norm(wanted)
     if amount == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
-    without = partial(_without, matrix, right, size, definite, dimension, symmetric, held)
+    without = partial(_without, matrix, right, size, definite, dimension, symmetric, held, beside)
     if last and not definite and not sifted:
         with suppress(RsymError):  # those before them may be no system by themselves
             own = independent(scaled, last)
@@ -133,7 +136,7 @@ def solve_system(
     if found is None or (stopped and rescued):
         steps, stopped = 0, False
         of_scaled: Size | None = None if size is None else lambda values: size(scale * values)
-        found, condition, again = _by_factors(scaled, wanted, of_scaled, definite, dimension, last, held)
+        found, condition, again = _by_factors(scaled, wanted, of_scaled, definite, dimension, last, held, beside)
     doubtful = found is None or (condition is not None and condition > DOUBTFUL)
     if doubtful and last and not steps and not sifted:
         own = independent(scaled, last)
@@ -142,7 +145,7 @@ def solve_system(
     if found is None:
         raise nearly_singular()
     residual = norm(wanted - scaled @ found) / amount
-    if not residual <= UNSURE:
+    if not residual <= UNSURE and not residual * amount <= NOTHING * beside:
         raise nearly_singular()
     if stopped:
         warn(
@@ -163,7 +166,14 @@ def _by_steps(
 
 
 def _by_factors(
-    matrix: sparse.csr_matrix, right: Floats, size: Size | None, definite: bool, dimension: int, last: int, held: bool
+    matrix: sparse.csr_matrix,
+    right: Floats,
+    size: Size | None,
+    definite: bool,
+    dimension: int,
+    last: int,
+    held: bool,
+    beside: float,
 ) -> tuple[Floats | None, float | None, Answer]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
@@ -181,14 +191,20 @@ def _by_factors(
     # up by others, it is large in what amounts to nothing: it has no size, and by its energy it is small. That of an
     # answer which is not sure is small too; without sizes it counts where the first unknowns alone have none.
     unsure = norm(correction) / norm(found)
-    energy = np.sqrt(abs(np.sum(correction * (matrix @ correction)) / np.sum(found * right)))
+    energy = np.sqrt(abs(np.sum(correction * (matrix @ correction))))
+    amount = energy if definite or size is None else size(correction)
+    if amount <= NOTHING * beside:
+        unsure = 0.0
+    energy /= np.sqrt(abs(np.sum(found * right)))
     if unsure > UNSURE and size is not None:
         share = size(correction) / size(found)
         unsure = max(share, energy) if definite else share
     elif unsure > UNSURE and definite and (last or (held and unsure <= FAINT)):
         if last:
             first = slice(len(right) - last)
-            solve_system(matrix[first, first], right[first], definite=definite, dimension=dimension, held=held)
+            solve_system(
+                matrix[first, first], right[first], definite=definite, dimension=dimension, held=held, beside=beside
+            )
         unsure = energy
     if not unsure <= UNSURE:
         return None, None, factors.solve
@@ -206,6 +222,7 @@ def _without(
     dimension: int,
     symmetric: bool,
     held: bool,
+    beside: float,
     own: Flags,
 ) -> Solved:
     """The solution where those of the last unknowns are 0 that are not independent."""
@@ -225,6 +242,7 @@ def _without(
         last=int(own.sum()),
         held=held,
         sifted=True,
+        beside=beside,
         size=None if size is None else lambda values: size(whole(values)),
     )
     again = some.again

@@ -20,6 +20,8 @@ INSIDE, OPEN, OUTSIDE = 1, 0, -1
 # A leaf may climb so steeply over the axes across; or as steeply as it likes if its slope along the height changes by
 # this factor at most in the cell.
 STEEP, EVEN = 3.0, 1.3
+# A leaf is flat along an axis if it is so much steeper along another; next to cusps all changes are roundings.
+FLAT = 1e-9
 FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a steep one
 GRADED = 28  # levels of division towards a given point
 SMALL = 40.0  # binary digits: cells nearer to a point than so small a share of an integral are not divided
@@ -309,7 +311,8 @@ def _flattened(gradient: Floats, side: Floats, tolerance: float) -> Floats:
     An edge turned by a rounding runs along an axis: what is left of its slope is no number to divide by.
     """
     most = np.abs(gradient).max(axis=1)
-    flat = most * side <= tolerance * np.minimum(1.0, most.max(axis=0, initial=0.0))
+    largest = most.max(axis=0, initial=0.0)
+    flat = (most * side <= tolerance * np.minimum(1.0, largest)) & (most <= FLAT * largest)
     return np.where(flat[:, None], 0.0, gradient)
 
 
