@@ -143,7 +143,7 @@ def _corner(parts: Parts, one: _Side, other: _Side, points: Floats) -> MeetingPa
     lengths = np.prod([np.linalg.norm(slope, axis=1) for slope in slopes], axis=0)
     if (np.abs(np.sum(slopes[0] * slopes[1], axis=1)) > TANGENT * lengths).any():
         return None
-    return MeetingParts(*zeros, _near_power(REACH * float(np.diff(parts.box, axis=1).max())), DEGREE)
+    return MeetingParts(zeros[0], zeros[1], _near_power(REACH * float(np.diff(parts.box, axis=1).max())), DEGREE)
 
 
 def _smooth(parts: Parts, value: sp.Expr, met: Floats) -> bool:
