@@ -33,6 +33,7 @@ from rsym.problems.corners.growth import Growth, growth_of, places_at
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.left_behind import portable
 from rsym.problems.lifts import lift_of, lift_on
+from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.parts import Parts, formula
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
 from rsym.problems.splines.cardinals import derivatives
@@ -162,8 +163,13 @@ class Problem:
         with self._lowered.lock:
             return self.form.builder.mul(self._vanishing(self.leaves(*VALUED)), self._vanishing(self.leaves(Clamped)))
 
+    @cached_property
+    def _like_leaves(self) -> tuple[int, ...]:
+        with self._lowered.lock:
+            return of_like_slopes(self.shape, self.split)
+
     def _vanishing(self, leaves: Collection[int]) -> int:
-        found = weight(self.split, leaves)
+        found = weight(self.split, leaves, self._like_leaves)
         return self.form.builder.const(1) if found is None else found
 
     def weight(self, order: int) -> PointFormulas:

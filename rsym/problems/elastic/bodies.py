@@ -21,6 +21,7 @@ from rsym.problems.conditions import Name, assigned
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
 from rsym.problems.equations import equation_of
 from rsym.problems.left_behind import portable
+from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.pointwise import PointFormulas, compiled, first_place, with_derivatives
 from rsym.problems.problem import Problem, value_at
 from rsym.program.differentiation import derivative
@@ -150,9 +151,9 @@ class ElasticBody:
 
         (1/w_i)/(sum of 1/w_j), w_i the weights of the parts: they are 1 together.
         """
-        b, found = self.form.builder, []
+        b, found, like = self.form.builder, [], of_like_slopes(self.shape, self.form)
         for held in self.held:
-            made = {name: weight(self.form, leaves) for name, leaves in held.items()}
+            made = {name: weight(self.form, leaves, like) for name, leaves in held.items()}
             weights = {name: node for name, node in made.items() if node is not None}
             others = {
                 name: reduce(b.mul, [w for other, w in weights.items() if other != name], b.const(1)) for name in held
