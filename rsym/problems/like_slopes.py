@@ -18,8 +18,8 @@ from rsym.model.shape import Shape
 from rsym.problems.pointwise import at_letters, with_derivatives
 from rsym.sampling.extent import bounds_or_extent
 
-# How many times the slope of the flattest leaf is left as it is. A rib of a hundredth of a disc's width took 13 % of the
-# integral of -laplacian(u) = 1 on 20 cells, one of a tenth 0.4 %, which is what its corners take.
+# How many times the slope of the flattest leaf is left as it is. A rib of a hundredth of a disc's width took 13 % of
+# the integral of -laplacian(u) = 1 on 20 cells, one of a tenth 0.4 %, which is what its corners take.
 LIKE = 16.0
 SAMPLES = {2: 17, 3: 9}  # along each axis
 
