@@ -436,6 +436,30 @@ def test_the_promises_about_meshes():
     assert again.faces.tobytes() == whole.faces.tobytes()
 
 
+def test_the_promises_about_fields():
+    disc, square = rsym.disc(1), rsym.rectangle(1, 1)
+    u = rsym.solve(disc, "-laplacian(u) = x", rsym.x * rsym.y, cells=8)
+    on = rsym.sample(disc, 100, over="boundary", rng=1).points
+    assert abs(u.jets(on, 0)[0] - on[:, 0] * on[:, 1]).max() < 1e-15
+    assert u.report.estimate is None
+    for shape, equation, condition, words in (
+        (disc, "-laplacian(u) - 5.783185962946785*u = 1", 0, "nearly singular"),
+        (square | square.translate(1.01, 0), "-laplacian(u) = 1", 0, "a gap 0.01 wide at .* 204 cells"),
+        (
+            rsym.rectangle(2, 2),
+            "-laplacian(u) = 1",
+            rsym.switched(rsym.x * (rsym.x - 0.05), 0, rsym.neumann()),
+            r"conditions change at \(0, 1\) and 0.05 from there, .* 82 cells",
+        ),
+    ):
+        with pytest.raises(rsym.RsymError, match=words):
+            rsym.solve(shape, equation, condition, cells=8)
+    with pytest.warns(rsym.RsymWarning, match=r"touches itself at \(0, 0\)"):
+        rsym.solve(disc.translate(-1, 0) | disc.translate(1, 0), "-laplacian(u) = 1", rsym.robin(1), cells=9)
+    with pytest.warns(rsym.RsymWarning, match="its boundary has cusps"):
+        rsym.measure(rsym.Shape(rsym.x**3 - rsym.y**2, (rsym.x, rsym.y)) & disc)
+
+
 def test_the_version_is_the_newest_change():
     with (ROOT / "pyproject.toml").open("rb") as file:
         project = tomllib.load(file)["project"]
