@@ -205,6 +205,7 @@ def test_the_estimate_of_a_picture_is_what_it_takes():
 def test_the_command_line_refuses_and_force_goes_on(command, tmp_path, capsys, monkeypatch):
     for module in (memory, mesher):
         monkeypatch.setattr(module, "free_memory", lambda module=module: mesher.RESERVE * (module is mesher) + 1e5)
+    monkeypatch.setattr(memory, "FEW", 0.0)
     name = str(tmp_path / ("sheet.png" if command == "fields" else "body.stl"))
     given = [command, "skeleton", "--resolution", "64", "-o", name, *(["--revolve", "x"] * (command == "mesh"))]
     assert cli.main(given) == 1

@@ -124,7 +124,7 @@ def test_shipped_models(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", of_the_day(MODELS, 6))
+@pytest.mark.parametrize("name", of_the_day(MODELS, 4))
 def test_twenty_thousand_rays_for_three_sets_of_letters(name):
     shape, generator = space(name), np.random.default_rng(5)
     for k in range(3):

@@ -200,7 +200,6 @@ HORN_LENGTH = 2 + 2 * quad(lambda t: math.sqrt(1 + 9 * t**4), 0, 1, epsabs=1e-13
     [
         (ASTROID, 3 * math.pi / 8, 6, 1e-5),
         (NEPHROID, 12 * math.pi, 24, 1e-6),
-        (CARDIOID, 6 * math.pi, 16, 1e-6),
         (CARDIOID.translate(0.123, 0.0456), 6 * math.pi, 16, 1e-4),  # the equation is noise next to its cusp
         (HORN.rotate(0.3), 0.5, HORN_LENGTH, 1e-3),  # leaves that touch in a third order
     ],

@@ -229,7 +229,7 @@ def test_a_range_of_letters():
 
 
 @pytest.mark.random
-@pytest.mark.parametrize("number", of_the_day(range(30), 10))
+@pytest.mark.parametrize("number", of_the_day(range(30), 6))
 def test_regular_bodies_are_never_refuted(number):
     expression = random_bodies.numbered(random_bodies.regular, number)
     report = _quickly(expression)
@@ -237,7 +237,7 @@ def test_regular_bodies_are_never_refuted(number):
 
 
 @pytest.mark.random
-@pytest.mark.parametrize("number", of_the_day(range(30), 10))
+@pytest.mark.parametrize("number", of_the_day(range(30), 6))
 def test_planted_defects_are_never_certified(number):
     _, expression = random_bodies.numbered(random_bodies.planted, number)
     assert _quickly(expression).verdict in {"REFUTED", "DEGENERATE"}
