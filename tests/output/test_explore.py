@@ -126,9 +126,9 @@ def test_panels_and_colour_bars_keep_their_places():
     assert len(widget.figure.axes) == 2
     panel, bar = [ax.get_position() for ax in widget.figure.axes]
     assert_close(panel.bounds, before[0].bounds, atol=1e-12)
-    assert_close([bar.x0, bar.width], [before[1].x0, before[1].width], atol=1e-12)
-    # Arrows take their room from its ends.
-    assert_close([bar.y0, bar.y1], [before[1].y0, before[1].y1], atol=0.05)
+    assert_close(bar.x0, before[1].x0, atol=1e-12)
+    # Arrows take their room from its ends, and a twentieth of its width with them.
+    assert_close([bar.x1, bar.y0, bar.y1], [before[1].x1, before[1].y0, before[1].y1], atol=0.05)
 
 
 @pytest.mark.slow
