@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from rsym.arrays import Floats
-from rsym.problems.splines.cardinals import derivatives, product_terms
+from rsym.problems.splines.cardinals import multiplied
 from rsym.problems.splines.evaluation import jets
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import BesideAt
@@ -16,12 +14,8 @@ def weighted(splines: WebSplines, coefficients: Floats, weight: Floats, points: 
 
     weight : those of the weight (kinds, n).
     """
-    dimension = points.shape[1]
-    found = np.zeros((len(derivatives(dimension, order)), len(points)))
     phi = jets(splines, coefficients[None], points, order)[:, 0]
-    for term in product_terms(dimension, order):
-        found[term.whole] += term.times * weight[term.left] * phi[term.right]
-    return found
+    return multiplied(weight, phi, points.shape[1], order)
 
 
 def add_beside(functions: BesideAt, numbers: Floats, found: Floats) -> None:

@@ -142,7 +142,7 @@ class Discretisation:
         """Of the equation: rows are tests, columns u."""
         dimension = self.problem.dimension
         weights = self.rule.weights[some] * self.problem.radius(points)
-        values = self._coefficients(points)
+        values = self.coefficients(points)
         self._require_elliptic(values, points)
         form = np.zeros((len(points), self.kinds, self.kinds))
         expressions = self.problem.equation.expressions
@@ -157,7 +157,7 @@ class Discretisation:
 
     def load_form(self, some: Some, points: Floats) -> Floats:
         """Of the right side, (n, kinds, 1)."""
-        values, weights = self._coefficients(points), self.rule.weights[some] * self.problem.radius(points)
+        values, weights = self.coefficients(points), self.rule.weights[some] * self.problem.radius(points)
         found = np.zeros((len(points), self.kinds, 1))
         for test, name in self.problem.equation.load_places.items():
             found[:, test, 0] = weights * values[name]
@@ -170,7 +170,7 @@ class Discretisation:
         varying = {*equation.coordinates, *map(real_symbol, equation.functions)}
         return not any(varying.intersection(value.free_symbols) for value in equation.expressions.values())
 
-    def _coefficients(self, points: Floats) -> dict[str, Floats]:
+    def coefficients(self, points: Floats) -> dict[str, Floats]:
         """The coefficients of the equation at points, by name; those that are the same everywhere at one."""
         some = points[:1] if self._constant else points
         found = dict(zip(self.problem.equation.expressions, self.problem.coefficients(some), strict=True))
@@ -289,7 +289,7 @@ class Discretisation:
         held = {name: every[name] for (_, trial), name in problem.equation.places.items() if trial == 0}
         if any(value.is_number and value != 0 for value in held.values()):
             return
-        values = self._coefficients(self.rule.points) if any(value != 0 for value in held.values()) else {}
+        values = self.coefficients(self.rule.points) if any(value != 0 for value in held.values()) else {}
         if not any(values[name].any() for name in held if name in values):
             raise RsymError(
                 "nothing fixes the level of the solution: with it every u + constant is one",
@@ -340,7 +340,7 @@ class Discretisation:
         if lift is None:
             return 0.0
         given = defined("the value on the boundary, as it goes on inside,", lift)
-        return float(np.sqrt(abs(sum(energy(*part, given) for part in self.forms()))))
+        return float(np.sqrt(sum(energy(*part, given) for part in self.forms())))
 
     def forms(self) -> list[tuple[CellPoints, FormAt]]:
         """The forms of the whole equation, with where they are integrated."""

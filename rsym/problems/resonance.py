@@ -23,6 +23,7 @@ from rsym.arrays import Floats, Ints
 from rsym.problems.combinations import add_beside, weighted
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.problem import beside_at
+from rsym.problems.systems.borders import BesideAt
 from rsym.problems.systems.forms import CellPoints, single_load
 from rsym.problems.systems.iterations import SEED
 
@@ -41,9 +42,8 @@ class Resonance(NamedTuple):
 def surely_regular(discrete: Discretisation) -> bool:
     """Whether a form that is positive, or a maximum principle, says that there is a single answer."""
     problem, highest = discrete.problem, discrete.problem.order
-    equation, points = problem.equation, discrete.rule.points
+    equation, named = problem.equation, discrete.coefficients(discrete.rule.points)
     second = problem.dimension * (highest - 1)  # below it are derivatives of less than the highest order
-    named = dict(zip(equation.expressions, problem.coefficients(points), strict=True))
     inside = {pair: named[name] for pair, name in equation.places.items() if named[name].any()}
     for (test, trial), values in inside.items():
         carried = highest == 1 and test == 0 < trial
@@ -82,13 +82,18 @@ class SampledFunctions:
         """Theirs, of a mean."""
         return self.discrete.rule.weights[self.some] * self.discrete.problem.radius(self.where.points) / self.share
 
+    @cached_property
+    def _beside(self) -> BesideAt:
+        return beside_at(self.discrete.problem, self.where.points)
+
     def jets(self, numbers: Floats, points: Floats, order: int) -> Floats:
         """The derivatives (kinds, n) of a function, by its numbers, at points."""
         problem, splines = self.discrete.problem, self.discrete.splines
         inner = splines.extension.shape[1]
         weight = problem.weight(order)(points)
         found = weighted(splines, splines.extension @ numbers[:inner], weight, points, order)
-        add_beside(beside_at(problem, points, order), numbers[inner:], found)
+        functions = self._beside if points is self.where.points else beside_at(problem, points, order)
+        add_beside(functions, numbers[inner:], found)
         return found
 
     def length(self, values: Floats) -> float:
@@ -114,7 +119,7 @@ def resonance(functions: SampledFunctions, again: Callable[[Floats], Floats]) ->
     for place, form in discrete.forms():
         inside = place is discrete.inside
         own = functions.some if inside else np.arange(len(place.points))
-        points = place.points[own]
+        points = where.points if inside else place.points
         there = np.abs(functions.jets(numbers, points, discrete.problem.order))
         amount = float(np.einsum("nij,in,jn", np.abs(form(own, points)), there, there))
         total += amount / functions.share if inside else amount

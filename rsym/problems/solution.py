@@ -378,7 +378,7 @@ def solved(
         last=discrete.extra_count,
         held=bool(problem.leaves(Dirichlet, Clamped)) and not problem.leaves(Robin),
         size=sampled.size,
-        beside=discrete.lift_size,
+        beside=lambda: discrete.lift_size,
     )
     inner = discrete.splines.extension.shape[1]
     told = reported(rule, cells, degree, found).of_corners(problem.corners)

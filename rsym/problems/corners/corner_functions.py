@@ -17,10 +17,9 @@ cos alpha = 0 no polynomial that is 0 on both edges has the Laplacian -1, but
 has. A factor, `Growth`, takes convection and a diffusion that varies along. All are 0 beyond a circle inside of which
 the coordinates are one to one and no other part of the boundary lies.
 
-Where an edge is curved they are harmonic to the first order alone, and what is left is for the splines: where
-conditions change on an arc of radius 1, errors of degree 5 are 3e-4, 6e-5, 1e-5 and 8e-7 at 16, 24, 32 and 48 cells.
-Coordinates bent so that they are harmonic to the second order fold nearer to the corner; functions that end there
-leave 4e-3, 7e-4, 4e-4 and 1e-4.
+What is left at a curved edge is for the splines: where conditions change on an arc of radius 1, -laplacian(u) = 1 has
+errors of degree 5 of 5e-4, 1e-4, 2e-5 and 1e-6 at 16, 24, 32 and 48 cells, by leaf coordinates that are not bent
+3e-4, 2e-4, 4e-5 and 2e-5.
 
 Source: P. Grisvard (1985), Elliptic problems in nonsmooth domains, chapter 4, for the functions at straight edges.
 """

@@ -102,7 +102,7 @@ def solve_system(
     held: bool = False,
     sifted: bool = False,
     size: Size | None = None,
-    beside: float = 0.0,
+    beside: Callable[[], float] = lambda: 0.0,
 ) -> Solved:
     """The solution: by factors of a small system or an indefinite one, else by conjugate gradients.
 
@@ -112,7 +112,7 @@ def solve_system(
     held : conditions fix the solution, so what is not sure is what functions share of it.
     sifted : it is known that the others do not make up the last ones.
     size : of what numbers of all functions add up to: it tells what is not sure where no energy does.
-    beside : the root of the energy of what the solution is added to: what is not sure may be nothing beside it.
+    beside : asked for the root of the energy of what the solution is added to: what is not sure may be nothing to it.
     """
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
@@ -145,7 +145,7 @@ def solve_system(
     if found is None:
         raise nearly_singular()
     residual = norm(wanted - scaled @ found) / amount
-    if not residual <= UNSURE and not residual * amount <= NOTHING * beside:
+    if not residual <= UNSURE and not residual * amount <= NOTHING * beside():
         raise nearly_singular()
     if stopped:
         warn(
@@ -173,7 +173,7 @@ def _by_factors(
     dimension: int,
     last: int,
     held: bool,
-    beside: float,
+    beside: Callable[[], float],
 ) -> tuple[Floats | None, float | None, Answer]:
     """The solution, refined once, None where it is not sure: some of the last functions may be to blame.
 
@@ -191,21 +191,21 @@ def _by_factors(
     # up by others, it is large in what amounts to nothing: it has no size, and by its energy it is small. That of an
     # answer which is not sure is small too; without sizes it counts where the first unknowns alone have none.
     unsure = norm(correction) / norm(found)
-    energy = np.sqrt(abs(np.sum(correction * (matrix @ correction))))
-    amount = energy if definite or size is None else size(correction)
-    if amount <= NOTHING * beside:
-        unsure = 0.0
-    energy /= np.sqrt(abs(np.sum(found * right)))
-    if unsure > UNSURE and size is not None:
-        share = size(correction) / size(found)
-        unsure = max(share, energy) if definite else share
-    elif unsure > UNSURE and definite and (last or (held and unsure <= FAINT)):
-        if last:
-            first = slice(len(right) - last)
-            solve_system(
-                matrix[first, first], right[first], definite=definite, dimension=dimension, held=held, beside=beside
-            )
-        unsure = energy
+    if unsure > UNSURE:
+        energy = np.sqrt(abs(np.sum(correction * (matrix @ correction))))
+        of_energy = energy / np.sqrt(abs(np.sum(found * right)))
+        if (energy if definite or size is None else size(correction)) <= NOTHING * beside():
+            unsure = 0.0
+        elif size is not None:
+            of_size = size(correction) / size(found)
+            unsure = max(of_size, of_energy) if definite else of_size
+        elif definite and (last or (held and unsure <= FAINT)):
+            if last:
+                first = slice(len(right) - last)
+                solve_system(
+                    matrix[first, first], right[first], definite=definite, dimension=dimension, held=held, beside=beside
+                )
+            unsure = of_energy
     if not unsure <= UNSURE:
         return None, None, factors.solve
     if not definite:
@@ -222,7 +222,7 @@ def _without(
     dimension: int,
     symmetric: bool,
     held: bool,
-    beside: float,
+    beside: Callable[[], float],
     own: Flags,
 ) -> Solved:
     """The solution where those of the last unknowns are 0 that are not independent."""
