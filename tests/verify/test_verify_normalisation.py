@@ -148,6 +148,7 @@ def test_what_meets_otherwise_than_at_a_corner_is_not_certified(shape, verdict):
     assert verify_normalisation(shape, bounds=bounds, resolution=32, work=1e7).verdict == verdict
 
 
+@pytest.mark.slow
 def test_order_2_is_kept_at_corners_by_r_p_only():
     strips = [rsym.normalise(Shape(c * (2 - c), (x, y)), order=2).expression for c in (x, y)]
     for system, verdict in ((rsym.Rp(4), "CERTIFIED"), (rsym.R0, "REFUTED")):

@@ -32,7 +32,7 @@ from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISION, Box, side
 from rsym.verify.cover.covering import OFF_CENTRE
 from rsym.verify.normalisation.derivatives import NormalDerivatives
-from rsym.verify.normalisation.leaves import Joint, active, crosses
+from rsym.verify.normalisation.leaves import LeafGate, active, crosses
 
 COARSEST = 8  # boxes along the extent before a bound is tried: on wider ones it would be in vain
 # Nodes of the deviations and their gradients. The program of their bounds has a dozen times as many: at the first
@@ -65,7 +65,7 @@ def feasible_order(derivatives: NormalDerivatives) -> int:
 
 
 def cover_boundary(
-    tree: Joint | int,
+    tree: LeafGate | int,
     leaves: Sequence[NormalDerivatives],
     bounds: Box,
     *,

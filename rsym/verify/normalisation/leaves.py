@@ -26,14 +26,14 @@ ROUNDING = 1e-15  # of the sum of the sizes: three float64 operations round by l
 
 
 @dataclass(frozen=True)
-class Joint:
+class LeafGate:
     """A conjunction (sign 1) or disjunction (-1) of leaves, by their numbers, and of others."""
 
     sign: int
-    operands: tuple[Joint | int, ...]
+    operands: tuple[LeafGate | int, ...]
 
 
-def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[Joint | int, list[int]]:
+def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[LeafGate | int, list[int]]:
     """How leaves make up a function as far as its operations keep an order, and the node of each occurrence of one.
 
     Examples
@@ -42,13 +42,13 @@ def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[Joint | in
     >>> from rsym import x, y
     >>> shape = rsym.Shape(rsym.conjunction(x, -rsym.conjunction(y, 1 - x)), (x, y))
     >>> leaves_of(Model(shape, {}), shape.expression, 1)[0]
-    Joint(sign=1, operands=(0, Joint(sign=-1, operands=(1, 2))))
+    LeafGate(sign=1, operands=(0, LeafGate(sign=-1, operands=(1, 2))))
     >>> leaves_of(Model(shape, {}), shape.expression, 2)[0]
     0
     """
     found: list[sp.Expr] = []
 
-    def joined(part: sp.Expr, sign: int) -> Joint | int:
+    def joined(part: sp.Expr, sign: int) -> LeafGate | int:
         while part.is_Mul and part.args[0] == -1 and len(part.args) == 2:
             part, sign = part.args[1], -sign
         if isinstance(part, ZeroWith):
@@ -56,7 +56,7 @@ def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[Joint | in
         made = promise(part)
         if made.truth in (min, max) and made.order([order] * len(made.operands)) == order:
             meets = 1 if made.truth is min else -1
-            return Joint(sign * meets, tuple(joined(operand, sign) for operand in made.operands))
+            return LeafGate(sign * meets, tuple(joined(operand, sign) for operand in made.operands))
         found.append(part if sign > 0 else -part)
         return len(found) - 1
 
@@ -64,25 +64,25 @@ def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[Joint | in
     return tree, [model.root] if isinstance(tree, int) else lower_all(model.builder, found)
 
 
-def active(tree: Joint | int, ends: Sequence[Ends]) -> Flags:
+def active(tree: LeafGate | int, ends: Sequence[Ends]) -> Flags:
     """Which occurrences of leaves may make up the boundary in a box, (n, occurrences), by bounds of each.
 
     Examples
     --------
     >>> of = lambda low, high: (np.array([low]), np.array([high]))
-    >>> active(Joint(1, (0, 1)), [of(-1.0, 1.0), of(2.0, 3.0)])
+    >>> active(LeafGate(1, (0, 1)), [of(-1.0, 1.0), of(2.0, 3.0)])
     array([[ True, False]])
     """
     flags = np.zeros((len(ends[0][0]), len(ends)), bool)
 
-    def over(part: Joint | int) -> Ends:
+    def over(part: LeafGate | int) -> Ends:
         if isinstance(part, int):
             return ends[part]
         lower, upper = zip(*map(over, part.operands), strict=True)
         pick = np.minimum if part.sign > 0 else np.maximum
         return pick.reduce(lower), pick.reduce(upper)
 
-    def walk(part: Joint | int, needed: Flags) -> None:
+    def walk(part: LeafGate | int, needed: Flags) -> None:
         if isinstance(part, int):
             flags[:, part] = needed
             return

@@ -22,7 +22,7 @@ from rsym.sampling.smooth import smooth_mesh
 from rsym.verify.boxes.local import Box, Model
 from rsym.verify.normalisation.cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normalisation.derivatives import NormalDerivatives
-from rsym.verify.normalisation.leaves import Joint, leaves_of
+from rsym.verify.normalisation.leaves import LeafGate, leaves_of
 from rsym.verify.normalisation.places import breaks, enclosed, inside, onto_boundary, thinned, zoomed
 from rsym.verify.normalisation.report import NormalDerivative, NormalisationReport
 
@@ -167,7 +167,7 @@ def _model(shape: Shape, letters: Mapping[Any, Any] | None) -> Model:
     return Model(shape, values)
 
 
-def _leaves(shape: Shape, derivatives: NormalDerivatives, order: int) -> tuple[Joint | int, list[NormalDerivatives]]:
+def _leaves(shape: Shape, derivatives: NormalDerivatives, order: int) -> tuple[LeafGate | int, list[NormalDerivatives]]:
     """How leaves make up omega to an order, and the derivatives of each occurrence of a leaf."""
     tree, nodes = leaves_of(derivatives.model, without_zeros(shape.expression), order)
     made = {node: NormalDerivatives(derivatives.model, order, node) for node in set(nodes) - {derivatives.root}}
