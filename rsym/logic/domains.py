@@ -18,6 +18,7 @@ from rsym.program.builder import Builder
 from rsym.program.program import live
 
 INFINITE = Fraction(10**9)  # no bound
+ROOTS = ("sqrt", "log", "pow")
 _OWN = {
     "neg",
     "add",
@@ -69,7 +70,7 @@ def _domain(builder: Builder, part: int) -> int | None:
     operation, arguments, _ = builder.nodes[part]
     if operation == "pow" and (builder.value(arguments[1]) or Fraction(1)).denominator == 1:
         return None  # of the exponents that a letter may have some are whole
-    if operation not in {"sqrt", "log", "pow"} or builder.uniform[arguments[0]]:
+    if operation not in ROOTS or builder.uniform[arguments[0]]:
         return None
     return None if lowest(builder, arguments[0]) >= 0 else arguments[0]
 
@@ -122,10 +123,8 @@ def lowest(builder: Builder, number: int) -> Fraction:
     ranges: dict[int, tuple[Fraction, Fraction]] = {}
     for part in live(builder.nodes, [number]):
         low, high = _range(builder, part, ranges)
-        ranges[part] = (
-            (max(low, Fraction(0)) if builder.nonnegative[part] else max(low, -INFINITE)),
-            min(high, INFINITE),
-        )
+        least = Fraction(0) if builder.nonnegative[part] else -INFINITE
+        ranges[part] = max(low, least), min(high, INFINITE)
     low = ranges[number][0]
     return low
 

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
-from rsym.logic.steps import gate, parted
+from rsym.logic.steps import parted, sign_gate
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
@@ -293,7 +293,9 @@ def _known(builder: Builder, number: int, guards: Collection[int]) -> int:
     leaves = [parted(builder, leaf, guards, known) for leaf in form.leaves]
     if tuple(leaves) == form.leaves:
         return number
-    return through(form.gates, leaves, lambda joint, first, second: gate(builder, joint.operation, first, second))[-1]
+    return through(form.gates, leaves, lambda gate, first, second: sign_gate(builder, gate.operation, first, second))[
+        -1
+    ]
 
 
 def _gated(builder: Builder, number: int) -> SignForm:

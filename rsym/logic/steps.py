@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection
 from typing import Any
 
 from rsym.backends.interpreter import interpret
-from rsym.logic.domains import bounded, lowest, replaced
+from rsym.logic.domains import ROOTS, bounded, lowest, replaced
 from rsym.logic.stripping import formal_sign
 from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
@@ -53,19 +53,19 @@ def parted(
     if len(kept) == 1:  # beyond the condition there is no value
         ((guard, chosen),) = kept
         builder.walls.setdefault(guard, {})
-        return gate(builder, "min", whole(guard, ()), whole(chosen, guards))
-    made = [gate(builder, "min", whole(guard, ()), whole(chosen, (*guards, guard))) for guard, chosen in kept]
-    both = gate(builder, "min", *(whole(chosen, (*guards, guard)) for guard, chosen in kept))
-    return gate(builder, "max", gate(builder, "max", *made), both)
+        return sign_gate(builder, "min", whole(guard, ()), whole(chosen, guards))
+    made = [sign_gate(builder, "min", whole(guard, ()), whole(chosen, (*guards, guard))) for guard, chosen in kept]
+    both = sign_gate(builder, "min", *(whole(chosen, (*guards, guard)) for guard, chosen in kept))
+    return sign_gate(builder, "max", sign_gate(builder, "max", *made), both)
 
 
-def gate(builder: Builder, operation: str, first: int, second: int) -> int:
+def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
     """The minimum or maximum for the sign alone: constants drop, of which one that is not positive is outside.
 
     Examples
     --------
     >>> b = Builder(("x",), ())
-    >>> gate(b, "min", b.input("x"), b.const(1)) == gate(b, "max", b.const(0), b.input("x")) == b.input("x")
+    >>> sign_gate(b, "min", b.input("x"), b.const(1)) == sign_gate(b, "max", b.const(0), b.input("x")) == b.input("x")
     True
     """
     idle = 1 if operation == "min" else -1
@@ -83,12 +83,10 @@ def _steps(builder: Builder, leaf: int) -> Any:
         if operation == "sign" and not builder.uniform[part]:
             if _jumps(builder, leaf, part, arguments[0], builder.const(1), builder.const(-1)):
                 yield part
-        elif (
-            operation == "select"
-            and part in builder.steps
-            and not all(builder.uniform[argument] for argument in arguments[:2])
-        ):
+        elif operation == "select" and part in builder.steps:
             condition, (yes, no) = builder.sub(*arguments[:2]), arguments[2:]
+            if builder.uniform[condition]:
+                continue
             if _is_partial(builder, yes, no) or _jumps(builder, leaf, part, condition, yes, no):
                 yield part
 
@@ -104,7 +102,7 @@ def _is_partial(builder: Builder, *numbers: int) -> bool:
         operation, arguments, _ = builder.nodes[part]
         if operation == "undefined":
             return True
-        if operation in {"sqrt", "log", "pow"} and lowest(builder, arguments[0]) < 0:
+        if operation in ROOTS and lowest(builder, arguments[0]) < 0:
             return True
     return False
 

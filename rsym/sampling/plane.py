@@ -145,7 +145,7 @@ class PlaneSampler:
 
     @cached_property
     def known(self) -> Kernel | None:
-        """What has the signs of the value where the value itself says too little: it jumps, or parts of it have none."""
+        """What has the signs of the value where that says too little: it jumps, or parts of it have none."""
         return None if self.field != "value" or self.given is not None else known_kernel(self.shape)
 
     def _call(self, u: Floats, v: Floats, by: Any = None) -> dict[str, NDArray[Any]]:
