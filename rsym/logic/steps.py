@@ -18,35 +18,34 @@ from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import live
 
-MOST_STEPS = 12  # in one leaf: each may double it
+MOST_STEPS = 8  # within each other: each may double a leaf
 POINTS, HALVINGS = 256, 60
 CONTINUOUS = 1e-9  # of its size, a step that rounding may make
 SIZES = (1.0, 10.0, 0.1, 100.0)
 
 
-def parted(
-    builder: Builder, leaf: int, guards: Collection[int], whole: Callable[[int, Collection[int]], int], depth: int = 0
-) -> int:
+def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable[[int, Collection[int]], int]) -> int:
     """A leaf as gates of leaves that do not jump and have a value everywhere; `whole` does that for what has gates.
 
     What `guards` say is positive where the leaf counts.
     """
-    step = next(_steps(builder, leaf), None) if depth < MOST_STEPS else None
+    step = next(_steps(builder, leaf), None) if len(guards) < MOST_STEPS else None
     if step is None:
         return bounded(builder, leaf, guards)
     operation, arguments, _ = builder.nodes[step]
     if operation == "sign":
         condition, yes, no = arguments[0], builder.const(1), builder.const(-1)
     else:
-        condition, yes, no = builder.sub(*arguments[:2]), *arguments[2:]
+        over, under, yes, no = arguments
+        condition = builder.sub(over, under)
     other = builder.neg(condition)
-    sides = []
+    sides: list[tuple[int, int | None]] = []
     for guard, branch in ((condition, yes), (other, no)):
         chosen = replaced(builder, leaf, {step: branch})
         sides.append((guard, None if _is_undefined(builder, chosen) else chosen))
-    for guard, chosen in sides:
-        if formal_sign(builder, guard) > 0 and chosen is not None:
-            return whole(chosen, guards)
+    for guard, only in sides:
+        if formal_sign(builder, guard) > 0 and only is not None:
+            return whole(only, guards)
     kept = [(guard, chosen) for guard, chosen in sides if chosen is not None]
     if not kept:
         return builder.const(-1)

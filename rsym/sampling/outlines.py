@@ -127,10 +127,11 @@ def _off_walls(
             continue
         if (line[0] == line[-1]).all():
             start = int(np.argmax(wall))
-            line, edge, wall = (np.roll(rows[:-1], -start, axis=0) for rows in (line, edge, wall))
+            line, edge = (np.roll(rows[:-1], -start, axis=0) for rows in (line, edge))
+            wall = np.roll(wall[:-1], -start)
         cuts = np.flatnonzero(np.diff(wall)) + 1
-        for part, along, on_wall in zip(*(np.split(rows, cuts) for rows in (line, edge, wall)), strict=True):
-            if not on_wall[0] and len(part) > 1:
+        for part, along, ends in zip(np.split(line, cuts), np.split(edge, cuts), np.split(wall, cuts), strict=True):
+            if not ends[0] and len(part) > 1:
                 kept.append((part, along))
     return tuple(line for line, _ in kept), tuple(edge for _, edge in kept)
 

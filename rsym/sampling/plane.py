@@ -112,7 +112,8 @@ class PlaneSampler:
                 return np.asarray(found, np.float64)
         values = self.values()
         if self.known is not None and not np.isnan(values).all():
-            values = self._call(*self.lattice.open_axes(), by=self.known)["value"]
+            u, v = self.lattice.open_axes()
+            values = self._call(u, v, self.known)["value"]
         signs: Floats = np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0))
         return signs
 
@@ -129,7 +130,7 @@ class PlaneSampler:
     def inside(self, points: Floats) -> Flags:
         """Whether the value at points (n, 2) is positive; of a large shape 0 is inside, as on the lattice of signs."""
         if self.known is not None:
-            return self._call(*points.T, by=self.known)["value"] > 0
+            return self._call(points[:, 0], points[:, 1], self.known)["value"] > 0
         if self.large is None:
             positive: Flags = self.value_and_gradient(points)[0] > 0
             return positive
