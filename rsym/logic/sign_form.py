@@ -260,7 +260,9 @@ def known_form(shape: Shape) -> SignForm | None:
     (2, None)
     """
     form = shape_form(shape)
-    return form if form.builder.rewritten else None
+    nodes, uniform = form.builder.nodes, form.builder.uniform
+    signs = {number for number, node in enumerate(nodes) if node.operation == "sign" and not uniform[number]}
+    return form if form.builder.rewritten or not signs <= set(live(nodes, form.leaves)) else None
 
 
 def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
