@@ -78,4 +78,4 @@ def in_known_functions(expression: sp.Expr) -> sp.Expr:
         formula = REWRITTEN.get(type(part))
         return None if formula is None else formula(*part.args)
 
-    return rebuild(expression, known)  # type: ignore[return-value]
+    return rebuild(expression, known)

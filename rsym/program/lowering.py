@@ -47,10 +47,8 @@ def lower(builder: Builder, expression: sp.Expr) -> int:
 def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
     """The nodes that compute the expressions; what they share is walked once."""
     parts = postorder(*expressions)
-    if any(isinstance(part, Composition) for part in parts):
-        return lower_all(builder, [written_out(expression) for expression in expressions])
-    if any(type(part) in REWRITTEN for part in parts):
-        return lower_all(builder, [in_known_functions(expression) for expression in expressions])
+    if any(isinstance(part, Composition) or type(part) in REWRITTEN for part in parts):
+        return lower_all(builder, [in_known_functions(written_out(expression)) for expression in expressions])
     done: dict[int, int] = {}
     inside: Names = {}
     for part in parts:
