@@ -29,6 +29,8 @@ _REMEDIES = {
 _DRAWN = {
     "Spectrum": "rsym.plot_modes draws it; one of its .modes is a field",
     "ElasticSolution": "rsym.plot_deformation draws it; its .shape is a shape",
+    "SolutionStructure": ".with_values() is a shape, with letters for what is unknown, .with_functions(f) one with f",
+    "Mesh": "the shape that it was made of, for a mesh has no equation",
 }
 
 

@@ -25,6 +25,10 @@ from rsym.sampling.plane import GivenField
 from rsym.sampling.sharp.features import Feature
 from rsym.verify.answers.singular import SingularCurve
 
+_OF_SHAPES = {
+    2: "a picture is the figure of rsym.plot_fields(shape), a body rsym.mesh(rsym.extrude(shape, 0, 1))",
+    3: "rsym.write(rsym.mesh(shape), path) has the formats of meshes, rsym.render(shape).save(path) is a picture",
+}
 _OF_FIELDS = "rsym.to_meshio(field).write(path) has other formats"
 
 
@@ -131,7 +135,7 @@ def write(
         _require_options("a field as .vtu", given, ("resolution",))
         return write_atomically(path, vtu_of_field(mesh, resolution))
     if isinstance(mesh, Shape):
-        _require_written_as("a shape", path, (".html", *LAYERS), "write rsym.mesh(shape)")
+        _require_written_as("a shape", path, (".html", *LAYERS), _OF_SHAPES[mesh.dimension])
         _require_options("the page of a shape", given, ())
         return DesignPage(page_of(mesh, title=path.stem)).write(path)
     require_kind(Mesh, mesh, "mesh")
