@@ -13,6 +13,7 @@ from rsym.model import named_parts, showing
 from rsym.model.equation import Bounds as Bounds
 from rsym.model.equation import combine
 from rsym.model.letters import Letter
+from rsym.model.logical import NoNumber
 from rsym.model.motions import Movable
 from rsym.model.systems import R0, RSystem, in_system
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Shape(Movable):
+class Shape(NoNumber, Movable):
     """omega(x, y[, z]) > 0 inside, = 0 on the boundary, < 0 outside.
 
     Parameters
