@@ -295,11 +295,10 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
     middles = body.vertices[body.faces].mean(axis=1)
     leaf = fields.active(middles) if body.leaf is None else body.leaf
     label = body.called if callable(body.called) else Labeller(shape, letters)
-    labels = label(middles, leaf)
     a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
     flat = np.cross(b - a, c - a)
     areas = np.linalg.norm(flat, axis=1)
-    shares = np.cumsum(np.where(_wanted(shape, labels, over), areas, 0.0))
+    shares = np.cumsum(np.where(_wanted(shape, label(middles, leaf), over), areas, 0.0))
 
     def draw(count: int, generator: np.random.Generator) -> _Drawn:
         faces = np.searchsorted(shares, shares[-1] * generator.random(count), side="right")
@@ -318,8 +317,7 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
         kept = _kept(stretch, found["point"], away, box, generator)
         there = label(found["point"][kept], leaf[faces[kept]])
         kept, names = kept[there.on(over)], there.each[there.on(over)]
-        points = found["point"][kept]
-        return _Drawn(points, _along_a_curve(points, box), normals[kept], names)
+        return _Drawn(found["point"][kept], _along_a_curve(found["point"][kept], box), normals[kept], names)
 
     return draw
 
@@ -335,8 +333,7 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     length = np.hypot(*along.T)
     leaf = leaves.active(start + along / 2)[1]
     label = Labeller(shape, letters)
-    labels = label(start + along / 2, leaf)
-    shares = np.cumsum(np.where(_wanted(shape, labels, over), length, 0.0))
+    shares = np.cumsum(np.where(_wanted(shape, label(start + along / 2, leaf), over), length, 0.0))
     with np.errstate(all="ignore"):
         across = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]  # the outside is to the right
 
@@ -381,15 +378,14 @@ def _wanted(shape: Shape, labels: Labels, over: str) -> Flags:
         raise RsymError(
             "the shape has no boundary within its bounds", code="empty", remedy="check signs, letters and bounds"
         )
-    wanted = labels.on(over)
-    if not wanted.any():
+    if not labels.on(over).any():
         parts = [name for name, _ in shape.parts]
         there = f"inside, boundary, or a part on the boundary: {', '.join(np.unique(names)[:20])}"
         what = "has nothing of the boundary" if over in parts else "is no part of the shape"
         raise RsymError(
             f"{over!r} {what}", code="over", remedy=proposal(over, (INSIDE, BOUNDARY, *names.tolist()), there)
         )
-    return wanted
+    return labels.on(over)
 
 
 def _kept(
