@@ -312,8 +312,7 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
             off = np.einsum("ij,ij->i", start - found["point"], normals)
             stretch = np.einsum("ij,ij->i", normals, plane) / (1 + 2 * found["mean_curvature"] * off)
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, plane)
-        active = fields.active(found["point"])
-        away = distances(fields.at(active, found["point"]))  # at a hollow edge chords lie beyond it
+        away = distances(fields.at(fields.active(found["point"]), found["point"]))  # at a hollow edge chords lie beyond it
         kept = _kept(stretch, found["point"], away, box, generator)
         there = label(found["point"][kept], leaf[faces[kept]])
         kept, names = kept[there.on(over)], there.each[there.on(over)]
@@ -379,9 +378,8 @@ def _wanted(shape: Shape, labels: Labels, over: str) -> Flags:
             "the shape has no boundary within its bounds", code="empty", remedy="check signs, letters and bounds"
         )
     if not labels.on(over).any():
-        parts = [name for name, _ in shape.parts]
         there = f"inside, boundary, or a part on the boundary: {', '.join(np.unique(names)[:20])}"
-        what = "has nothing of the boundary" if over in parts else "is no part of the shape"
+        what = "has nothing of the boundary" if over in dict(shape.parts) else "is no part of the shape"
         raise RsymError(
             f"{over!r} {what}", code="over", remedy=proposal(over, (INSIDE, BOUNDARY, *names.tolist()), there)
         )
