@@ -312,7 +312,7 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
             off = np.einsum("ij,ij->i", start - found["point"], normals)
             stretch = np.einsum("ij,ij->i", normals, plane) / (1 + 2 * found["mean_curvature"] * off)
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, plane)
-        away = distances(fields.at(fields.active(found["point"]), found["point"]))  # at a hollow edge chords lie beyond it
+        away = distances(fields.at(fields.active(found["point"]), found["point"]))  # chords at a hollow edge lie off it
         kept = _kept(stretch, found["point"], away, box, generator)
         there = label(found["point"][kept], leaf[faces[kept]])
         kept, names = kept[there.on(over)], there.each[there.on(over)]
