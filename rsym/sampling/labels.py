@@ -113,9 +113,11 @@ class Labeller:
         size = max(1, AT_ONCE // (len(faces.places) + 4 * count))
         for first in range(0, len(asked), size):
             some = asked[first : first + size]
-            rows, which = np.unique(self._active(points[some], number[some]).T, axis=0, return_inverse=True)
-            sets = [met.setdefault(tuple(np.flatnonzero(row).tolist()), len(met)) for row in rows]
-            number[some] = count + len(behind) + np.array(sets)[which.ravel()]
+            doubtful, active = self._active(points[some], number[some])
+            packed = np.packbits(active, axis=0).T
+            _, one, which = np.unique(packed, axis=0, return_index=True, return_inverse=True)
+            sets = [met.setdefault(tuple(np.flatnonzero(active[:, k]).tolist()), len(met)) for k in one]
+            number[some[doubtful]] = count + len(behind) + np.array(sets, np.int64)[which.ravel()]
         of_leaf = [tuple(k for k, face in enumerate(faces.faces) if face.leaf == leaf) for leaf in range(count)]
         titles = [BETWEEN.join(faces.title(chosen)) or own[chosen[0]] for chosen in (*of_leaf, *met)]
         titles[count:count] = behind
@@ -131,8 +133,8 @@ class Labeller:
             held[place[title]].update(dict.fromkeys(faces.holding(chosen) or (title,)))
         return Labels(table[number], names, tuple(map(tuple, held)))
 
-    def _active(self, points: Floats, leaf: Ints) -> Flags:
-        """Which faces (k, n) are active at points on leaves."""
+    def _active(self, points: Floats, leaf: Ints) -> tuple[Ints, Flags]:
+        """The points on leaves of which it takes a walk to know the face, and which faces (k, n) are active there."""
         faces, every = shape_faces(self.shape), np.arange(len(leaf))
         points, value, gradient = self._on_leaf(points, leaf)
         with np.errstate(all="ignore"):
@@ -142,13 +144,15 @@ class Labeller:
             along = np.abs(np.einsum("kin,in->kn", gradient, own)) >= np.sqrt(1 - PARALLEL**2) * length * unit
         near[leaf, every] = along[leaf, every] = True
         value[near] = 0.0
+        here = near & along
+        (doubtful,) = np.nonzero((here.sum(axis=0) > 1) | np.isin(leaf, list(faces.shared)))
+        value, here, leaf = value[:, doubtful], here[:, doubtful], leaf[doubtful]
         active = np.array(faces.active(list(value), operator.eq, LEAST, np.ones(len(leaf), np.bool_)))
-        of_leaf = np.array([face.leaf for face in faces.faces])
-        found = active & (near & along)[of_leaf]
+        found = active & here[[face.leaf for face in faces.faces]]
         lost = ~found.any(axis=0)  # beside an edge of bent leaves, where the point is on the continuation of one
         if lost.any():
             found[:, lost] = self._nearest(value[:, lost], leaf[lost])
-        return np.asarray(found)
+        return doubtful, np.asarray(found)
 
     def _nearest(self, value: Floats, leaf: Ints) -> Flags:
         """Of the faces of each leaf those on whose way down values are least apart."""

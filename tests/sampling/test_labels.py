@@ -108,3 +108,15 @@ def test_features_end_where_the_part_beside_them_does():
     found = rsym.mesh(BOSS, 24).features
     assert {frozenset(one.names) for one in found} == {frozenset(["plate"]), frozenset(["boss"])}
     assert len(found) == 14
+
+
+def test_rays_see_the_part_that_bounds_the_body():
+    image = rsym.render(BOSS, camera="top", size=(80, 60), colour_by="part")
+    assert list(image.parts) == ["plate", "boss"]
+    names = np.array([*image.parts, ""])[image.part]
+    there = image.points[..., 0]
+    assert set(names[there > 2].tolist()) == {"boss"}
+    assert set(names[there < 2].tolist()) == {"plate"}
+    both = rsym.render(OVERLAP, camera="top", size=(80, 60), colour_by="part")
+    seen = np.array([*both.parts, ""])[both.part][np.isfinite(both.points[..., 0])]
+    assert set(seen.tolist()) == {"A", "B", "A / B"}
