@@ -168,7 +168,8 @@ class Shape(NoNumber, Movable):
         """Whether points belong to the shape: omega >= 0 there, in float64.
 
         The boundary belongs to the shape, that of what was cut off too; which side of a curved boundary a point counts
-        that lies on it to rounding, rounding decides. Where omega is undefined (NaN) there is no shape.
+        that lies on it to rounding, rounding decides. Where omega is undefined (NaN) those points belong to the shape
+        that do whatever the undefined parts are (Kleene: true or unknown is true).
 
         Parameters
         ----------
@@ -196,9 +197,9 @@ class Shape(NoNumber, Movable):
         >>> disc.contains([0, 0.5, 1.5], [[0.0], [0.9]]).tolist()
         [[True, True, False], [True, False, False]]
         """
-        from rsym.backends.kernel import compile
+        from rsym.logic.inside import inside_kernel
 
-        inside = compile(self)(*coordinates, letters=letters)["value"] >= 0
+        inside = inside_kernel(self)(*coordinates, letters=letters)["value"] >= 0
         return inside if inside.ndim else bool(inside)
 
     def contract(self) -> Contract:

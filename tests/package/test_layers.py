@@ -43,7 +43,7 @@ LAYERS = {
 DEFERRED = {
     (
         "model/shape.py",
-        "rsym.backends.kernel",
+        "rsym.logic.inside",
     ): "shape.contains(x, y): whether a point is inside is asked of a shape, and"
     " only a compiled one answers for arrays; a free function would be the one question that is not a method",
     (

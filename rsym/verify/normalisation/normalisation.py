@@ -15,8 +15,8 @@ from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.sampling.contours import level_lines
 from rsym.sampling.lattice import bounds_of, lattice_over
+from rsym.sampling.level_lines import level_lines
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
 from rsym.verify.boxes.local import Box, Model
