@@ -249,15 +249,15 @@ def _choose(b: Builder, condition: sp.Basic, yes: int, no: int, done: dict[int, 
         raise RsymError(f"a condition must be made of < <= > >=, and, or, not; got {condition}", code="condition")
     large, small = done[id(condition.gts)], done[id(condition.lts)]
     if strict:
-        return b.select(large, small, yes, _unless_nan(b, large, small, no))
-    return b.select(small, large, no, _unless_nan(b, large, small, yes))
+        return b.step(large, small, yes, _unless_nan(b, large, small, no))
+    return b.step(small, large, no, _unless_nan(b, large, small, yes))
 
 
 def _unless_nan(b: Builder, u: int, v: int, value: int) -> int:
     """The value where u - v is a number: |u - v| > -1 is false for NaN alone."""
     gap = b.abs(b.sub(u, v))
     known = b.value(gap) is not None
-    return value if known else b.select(gap, b.const(-1), value, b.undefined())
+    return value if known else b.step(gap, b.const(-1), value, b.undefined())
 
 
 def two_linear_factors(b: Builder, part: sp.Mul, arguments: Sequence[int], numerator: Sequence[int]) -> list[int]:

@@ -52,6 +52,9 @@ RESERVE = 1e8
 TRIAL = 5e8
 PACE = 96  # cells along a side of the mesh that tells how long blocks take
 
+# Of cells: the fourth power of a side is a number.
+LEAST = 1e-70
+
 
 class SharpMesher:
     """What stands behind `rsym.Mesher`; arguments as there, and the form of the shape where that is known."""
@@ -135,6 +138,13 @@ class SharpMesher:
                 f"resolution {resolution} has {max(cells)} cells along a side",
                 code="resolution",
                 remedy=f"take at most {MOST_CELLS}",
+            )
+        if not LEAST < min(lattice.spacing) <= max(lattice.spacing) < 1 / LEAST:
+            raise RsymError(
+                f"cells have sides from {min(lattice.spacing):.3g} to {max(lattice.spacing):.3g}; the square of the "
+                f"area of a triangle is a number only between {LEAST:g} and {1 / LEAST:g}",
+                code="size",
+                remedy="take another unit: shape.scale(k), then mesh.vertices/k",
             )
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
