@@ -12,18 +12,20 @@ min(max(u, v), 0) with u = |x| - a and v = |y| - b, comes out as four straight l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Collection, Mapping
 from functools import partial
 from types import MappingProxyType
 
+from rsym.logic.domains import replaced
 from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
 from rsym.logic.sign_form import gate_of, stripped
+from rsym.logic.steps import sign_gate
 from rsym.logic.stripping import bare, even_root, factor
 from rsym.program.builder import Builder
 from rsym.program.program import live
 
 MOST_CHOICES = 6  # that sums let through; each may double the leaves
-MOST_LEAVES = 48  # that one is opened to; each choice may double them
+MOST_LEAVES = 12  # that one is opened to; each choice may double them
 Known = Mapping[int, int]  # signs of nodes, by what is left of these without factors
 
 
@@ -44,7 +46,9 @@ def opened_leaf(builder: Builder, leaf: int) -> int:
     >>> opened_leaf(b, b.sub(x, y)) == b.sub(x, y)
     True
     """
-    opening = _Opening(builder)
+    # Under roots absolute values stand for what has no value beyond the walls.
+    walls = {wall for wall, ends in builder.walls.items() if leaf in ends}
+    opening = _Opening(builder, walls)
     try:
         made = opening.opened(leaf, 1, MappingProxyType({}))
     except _TooMany:
@@ -65,8 +69,8 @@ def lifted_whole(builder: Builder, leaf: int) -> int:
 class _Opening:
     """One leaf being opened, and how many leaves came out."""
 
-    def __init__(self, builder: Builder) -> None:
-        self.builder, self.count = builder, 0
+    def __init__(self, builder: Builder, walls: Collection[int]) -> None:
+        self.builder, self.walls, self.count = builder, walls, 0
 
     def opened(self, number: int, sign: int, known: Known) -> int:
         """A node times 1 or -1 as gates, where some signs are known."""
@@ -76,7 +80,7 @@ class _Opening:
             return b.const(sign * certain)
         operation, arguments, _ = b.nodes[number]
         if kind := gate_of(operation, sign):
-            return self._gate(kind, *(self.opened(argument, sign, known) for argument in arguments[:2]))
+            return sign_gate(self.builder, kind, *(self.opened(argument, sign, known) for argument in arguments[:2]))
         if operation in {"mul", "div"} and not any(b.uniform[argument] for argument in arguments):
             return self._product(arguments, sign, known)
         decided = self._decided(number, known)
@@ -106,10 +110,11 @@ class _Opening:
         for one, other in (arguments, arguments[::-1]):
             if self.builder.nonnegative[one] or even_root(self.builder, one) is not None:
                 return self.opened(other, sign, known)
-        return self._gate(
+        return sign_gate(
+            self.builder,
             "max",
             *(
-                self._gate("min", self.opened(one, side, known), self.opened(other, sign * side, known))
+                sign_gate(self.builder, "min", self.opened(one, side, known), self.opened(other, sign * side, known))
                 for side in (1, -1)
             ),
         )
@@ -120,7 +125,7 @@ class _Opening:
             for choice in self._choices(number):
                 condition, above, below = self._sides(choice)
                 if side := self._sign(condition, known):
-                    number = replaced(self.builder, number, choice, above if side > 0 else below)
+                    number = replaced(self.builder, number, {choice: above if side > 0 else below})
                     break
             else:
                 return number
@@ -129,7 +134,11 @@ class _Opening:
         """The choices inside a node, first that which is made of most others: its side tells most of theirs."""
         b = self.builder
         inside = [
-            part for part in live(b.nodes, [number]) if b.nodes[part].operation in CHOICES and not b.uniform[part]
+            part
+            for part in live(b.nodes, [number])
+            if b.nodes[part].operation in CHOICES
+            and not b.uniform[part]
+            and b.nodes[part].arguments[0] not in self.walls
         ]
         return sorted(inside, key=partial(choices_in, b), reverse=True)
 
@@ -159,11 +168,14 @@ class _Opening:
         made = []
         for side, value in zip((1, -1), values, strict=True):
             believed = MappingProxyType({**known, **self._implied(condition, side)})
-            made.append(self.opened(replaced(self.builder, number, choice, value), sign, believed))
+            made.append(self.opened(replaced(self.builder, number, {choice: value}), sign, believed))
         sides = [
-            self._gate("min", self.opened(condition, side, known), f) for side, f in zip((1, -1), made, strict=True)
+            sign_gate(self.builder, "min", self.opened(condition, side, known), f)
+            for side, f in zip((1, -1), made, strict=True)
         ]
-        return self._gate("max", self._gate("max", *sides), self._gate("min", *made))
+        return sign_gate(
+            self.builder, "max", sign_gate(self.builder, "max", *sides), sign_gate(self.builder, "min", *made)
+        )
 
     def _implied(self, condition: int, sign: int) -> dict[int, int]:
         """What has a sign where a node has one: of a maximum below 0 both operands."""
@@ -179,38 +191,3 @@ class _Opening:
             if operation in TURNED and (operation == "min") == (side > 0):
                 stack += [(argument, side) for argument in arguments]
         return found
-
-    def _gate(self, operation: str, first: int, second: int) -> int:
-        """The minimum or maximum for the sign alone: constants drop."""
-        for one, other in ((first, second), (second, first)):
-            value = self.builder.value(one)
-            if value is not None:
-                return other if (value > 0) == (operation == "min") else one
-        return first if first == second else self.builder.make(operation, first, second)
-
-
-def replaced(builder: Builder, number: int, part: int, by: int) -> int:
-    """A node with another in the place of a part of it, folded as nodes are when they are made."""
-    made = {part: by}
-    folding: dict[str, Callable[..., int]] = {
-        "neg": builder.neg,
-        "add": builder.add,
-        "mul": builder.mul,
-        "div": builder.div,
-        "sqrt": builder.sqrt,
-        "abs": builder.abs,
-    }
-    for inner in live(builder.nodes, [number]):
-        operation, arguments, data = builder.nodes[inner]
-        if inner in made:
-            continue
-        operands = [made[argument] for argument in arguments]
-        if tuple(operands) == arguments:
-            made[inner] = inner
-        elif operation in folding:
-            made[inner] = folding[operation](*operands)
-        elif operation == "powi" and isinstance(data, int):
-            made[inner] = builder.powi(operands[0], data)
-        else:
-            made[inner] = builder.make(operation, *operands, data=data)
-    return made[number]
