@@ -51,7 +51,8 @@ def _answering(value: Any) -> Any:
     made: Any = value
     if isinstance(value, FunctionType):
         home = sys.modules[value.__module__]
-        if getattr(home, value.__name__, None) is value:
+        is_there = getattr(home, value.__name__, None) is value
+        if is_there:
             made = british(value)
             setattr(home, value.__name__, made)
     elif isinstance(value, type) and isinstance(vars(value).get("__init__"), FunctionType):

@@ -5,7 +5,8 @@ bounds and named parts. In the order of the data:
 
 - `symbols`, `vectors`: symbols real, expressions walked without recursion, vectors of expressions
 - `nodes`, `powers`, `choices`, `rnodes`: what SymPy keeps whole; `systems`: nodes of logic made;
-  `functions`: what else a formula may name; `unevaluated`: nodes made as they stand
+  `functions`: what else a formula may name; `rewriting`: what becomes a formula of those; `unevaluated`: nodes made as
+  they stand
 - `letters` and `arguments`: what a shape is given, checked once; `requirements`: what all public functions refuse alike
 - `equation`: the data of a shape; `motions` of it; `named_parts`; `logical`: operators that it has not; `shape`:
   `Shape`, which joins these

@@ -24,6 +24,7 @@ from rsym.model import powers, rnodes
 from rsym.model.choices import Choice
 from rsym.model.functions import FUNCTIONS
 from rsym.model.nodes import Ahead, Composition, Fold, Held, RealNode, Trimming, ZeroWith, written_out
+from rsym.model.rewriting import REWRITTEN, in_known_functions
 from rsym.model.symbols import postorder
 from rsym.program.builder import HALF, Builder
 from rsym.program.operations import OPERATIONS
@@ -46,8 +47,8 @@ def lower(builder: Builder, expression: sp.Expr) -> int:
 def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
     """The nodes that compute the expressions; what they share is walked once."""
     parts = postorder(*expressions)
-    if any(isinstance(part, Composition) for part in parts):
-        return lower_all(builder, [written_out(expression) for expression in expressions])
+    if any(isinstance(part, Composition) or type(part) in REWRITTEN for part in parts):
+        return lower_all(builder, [in_known_functions(written_out(expression)) for expression in expressions])
     done: dict[int, int] = {}
     inside: Names = {}
     for part in parts:
