@@ -127,7 +127,7 @@ def render(
     sight = scene.seen()
     if not len(sight.met):
         warn("nothing of the body is seen; remedy: other bounds, another camera or section")
-    brush = brush_of(colouring, caster.leaves, [sight], lambda: Probe.of(caster))
+    brush = brush_of(colouring, [sight], lambda: Probe.of(caster))
     width = max(LINE * float(np.sqrt(size[0] * size[1])), THINNEST) if lines else 0.0
     canvas = scene.painted(sight, brush, width, shadows=shadows, samples=samples)
     names = (*caster.leaves, *(f"section {name} = {value:g}" for name, value in (section or {}).items()))
@@ -140,7 +140,7 @@ def render(
         coordinates=tuple(symbol.name for symbol in shape.coordinates),
         scale=brush.scale,
         scale_label=brush.label,
-        parts_seen=lambda: brush.parts or part_colours_of(caster.leaves, [sight]),
+        parts_seen=lambda: brush.parts or part_colours_of([sight]),
         legend=colouring == "part",
     )
 

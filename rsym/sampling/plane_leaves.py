@@ -134,6 +134,14 @@ class PlaneLeaves:
             own[(leaf == one) & (other == wall)] = number
         return own
 
+    def placed(self, points: Floats) -> Floats:
+        """Points (n, 2) of the plane in the coordinates of the shape, (n, dim)."""
+        found = np.zeros((len(points), self.shape.dimension))
+        for number, value in self.fixed.items():
+            found[:, number] = value
+        found[:, self.free] = points
+        return found
+
     def _every(self, points: Floats) -> tuple[Floats, Floats]:
         """The values (leaves, n) and the gradients (leaves, n, 2) at points (n, 2)."""
         program = self._kernel.program

@@ -21,6 +21,7 @@ from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.hits import Hits, Rays, Seen
+from rsym.sampling.labels import Labeller, Labels
 from rsym.sampling.leaf_fields import SIDES, LeafFields
 from rsym.sampling.pencils import Cut, Pencil, as_cuts
 from rsym.sampling.ray_march import ArrayRays
@@ -180,7 +181,13 @@ class Caster:
             seen.doubt > 0,
             rays_of,
             partial(self._fields_at, self.letters, cuts),
+            partial(self._called, self.letters),
         )
+
+    def _called(self, letters: Mapping[str, float], points: Floats, leaf: Shorts) -> Labels:
+        """What points are called; on a cut they have no name."""
+        known = np.where(leaf < len(self.leaves), leaf, -1)
+        return Labeller(self.shape, letters)(points, known, self.leaves[len(self._leaf_fields.form.leaves) :])
 
     def _planes(self, cuts: tuple[Cut, ...]) -> Floats:
         """The half-spaces of the bounds and of the cuts: outer normal and offset."""
