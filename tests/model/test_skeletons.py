@@ -179,8 +179,8 @@ def test_an_offset_body_needs_a_positive_number_on_any_skeleton():
     low, high = np.array(rsym.extent(body)).T
     assert (low > [-6.1, -1.1]).all()
     assert (high < [6.1, 1.1]).all()
-    assert (np.array(body.bounds)[:, 0] < low).all()
-    assert (np.array(body.bounds)[:, 1] > high).all()
+    assert (np.array(body.box.ends)[:, 0] < low).all()
+    assert (np.array(body.box.ends)[:, 1] > high).all()
 
 
 def test_bounds_hold_bodies_of_which_curves_meet():

@@ -14,10 +14,9 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError, warn
-from rsym.model.equation import checked_bounds
 from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.rules.columns import rules_joined
 from rsym.sampling.rules.division import (
     INSIDE,
@@ -300,23 +299,22 @@ class Prepared:
 
 
 def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Prepared:
-    """A shape within the bounds given, else its own, which cap it, else its extent."""
+    """A shape within the bounds given or stated, which cap it, else all of it."""
     require_shape(shape)
-    box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     optional_package("numba", "a rule of integration")
     # Without numba the rest of the package can be imported.
     from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 
-    form = rule_form(shape, box is not None)
-    known = extent(shape, letters) if box is None else box
+    known, whole = bounds_or_extent(shape, bounds, letters), bounds is None and shape.bounds is None
+    form = rule_form(shape, not whole)
     functions = LeafFunctions(shape, form.form, letters, known)
-    if box is None and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
+    if whole and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
         raise RsymError(
             "the inside of the shape is unbounded",
             code="unbounded",
             remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
         )
-    own = 2 * shape.dimension if bounds is None and box is not None else 0
+    own = 2 * shape.dimension if bounds is None and not whole else 0
     return Prepared(functions, known, form.names, form.owner, range(len(form.names) - own, len(form.names)))
 
 
