@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.logic.lifting import opened
 from rsym.logic.sign_form import surface_form
 from rsym.model.bounding import checked_bounds, hull, outwards
@@ -53,8 +53,8 @@ def extent(shape: Shape, letters: Mapping[Any, float] | None = None) -> Bounds:
     Raises
     ------
     RsymError
-        ``unbounded`` where the zero set goes on beyond 1e12 or cannot be proved to end, with the directions;
-        ``empty`` where there is none.
+        ``unbounded`` where the zero set goes on beyond 1e12, ``unproved`` where it cannot be proved to end, with the
+        directions; ``empty`` where there is none.
 
     Examples
     --------
@@ -183,7 +183,16 @@ def _whole(shape: Shape, values: tuple[tuple[str, float], ...], likely: Bounds |
     """A box that holds the boundary, and whether it is the likely one."""
     if likely is not None and holds_boundary(proved_signs(shape, dict(values)), likely):
         return likely, True
-    found = _extent(shape, values)
+    try:
+        found = _extent(shape, values)
+    except RsymError as error:
+        if likely is None or error.code != "unproved":
+            raise
+        ends = ", ".join(f"[{low:.6g}, {high:.6g}]" for low, high in likely)
+        warn(
+            f"it is not proved that the boundary lies within {ends}, where it is looked for; bounds=... says where to look"
+        )
+        return likely, True
     inside = likely is not None and all(a <= c and d <= b for (a, b), (c, d) in zip(likely, found, strict=True))
     return (likely, True) if likely is not None and inside else (found, False)
 
@@ -287,10 +296,11 @@ def _depths(boxes: Boxes, sides: Boxes, slab: NDArray[np.intp]) -> Floats:
 def _unbounded(signs: FormSigns, left: Boxes) -> RsymError:
     places = np.hstack([left.lower, left.centres, left.upper]) * LARGEST
     seen = set(signs.over(points(places)).tolist())
-    verdict = "goes on beyond 1e12" if {-1, 1} <= seen else "could not be proved to end"
+    goes_on = {-1, 1} <= seen
+    verdict = "goes on beyond 1e12" if goes_on else "could not be proved to end"
     return RsymError(
         f"the zero set {verdict} in the directions {', '.join(_directions(signs.coordinates, left))}",
-        code="unbounded",
+        code="unbounded" if goes_on else "unproved",
         remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
     )
 

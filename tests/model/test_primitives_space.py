@@ -134,7 +134,7 @@ def test_letters_stand_for_numbers_everywhere(build):
         assert_close(got, expected, atol=1e-12)
     box = build(*first.values()).box
     assert (shape.box is None) == (box is None)
-    if bounds is not None:
+    if box is not None:
         assert_close(shape.box.ends, box.ends, atol=1e-12)
 
 

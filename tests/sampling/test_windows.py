@@ -5,17 +5,20 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
+from oracles.closeness import assert_close
 
 import rsym
-from rsym import x, y, z
+from rsym import x, y
 from rsym.errors import RsymError
 from rsym.sampling.extent import bounds_or_extent
-from oracles.closeness import assert_close
 
 A = sp.Symbol("a", real=True)
 NAIL = rsym.sphere(1) | (rsym.cylinder(sp.Rational(1, 2)) & rsym.slab(3, 6))  # the rod does not touch the ball
 PLATE = (
-    rsym.half_plane((1, 0), 0) & rsym.half_plane((-1, 0), -10) & rsym.half_plane((0, 1), 0) & rsym.half_plane((0, -1), -10)
+    rsym.half_plane((1, 0), 0)
+    & rsym.half_plane((-1, 0), -10)
+    & rsym.half_plane((0, 1), 0)
+    & rsym.half_plane((0, -1), -10)
 )
 
 
@@ -36,7 +39,10 @@ def test_a_body_of_a_bounded_piece_and_one_without_bounds_is_whole():
 @pytest.mark.parametrize(
     "other",
     [
-        rsym.half_plane((0, 1), 2) & rsym.half_plane((0, -1), -4) & rsym.half_plane((1, 0), -1) & rsym.half_plane((-1, 0), -1),
+        rsym.half_plane((0, 1), 2)
+        & rsym.half_plane((0, -1), -4)
+        & rsym.half_plane((1, 0), -1)
+        & rsym.half_plane((-1, 0), -1),
         rsym.implicit(1 - x**2 - (y - 3) ** 2),
     ],
     ids=["half planes", "implicit"],
