@@ -136,12 +136,17 @@ def bounds_or_extent(
     if box is not None and box.known:
         return box.ends
     try:
-        found, likely = _whole(shape, tuple(values.items()), None if box is None else box.ends)
+        found, how = _whole(shape, tuple(values.items()), None if box is None else box.ends)
     except RsymError as error:
         if shape.box is None or error.code != "empty":
             raise
         return shape.box.ends  # there is nothing in it either
-    return found if likely else surrounded(found, room)
+    if how == "unproved":
+        ends = ", ".join(f"[{low:.6g}, {high:.6g}]" for low, high in found)
+        warn(
+            f"it is not proved that the boundary lies within {ends}, which one looks at; bounds=... says where to look"
+        )
+    return surrounded(found, room) if how == "found" else found
 
 
 def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any]]) -> Bounds:
@@ -179,22 +184,18 @@ def surrounded(bounds: Bounds, room: float) -> Bounds:
 
 
 @recently(16, written)
-def _whole(shape: Shape, values: tuple[tuple[str, float], ...], likely: Bounds | None) -> tuple[Bounds, bool]:
-    """A box that holds the boundary, and whether it is the likely one."""
+def _whole(shape: Shape, values: tuple[tuple[str, float], ...], likely: Bounds | None) -> tuple[Bounds, str]:
+    """A box that holds the boundary, "found" or "likely", or the likely one of which that is "unproved"."""
     if likely is not None and holds_boundary(proved_signs(shape, dict(values)), likely):
-        return likely, True
+        return likely, "likely"
     try:
         found = _extent(shape, values)
     except RsymError as error:
         if likely is None or error.code != "unproved":
             raise
-        ends = ", ".join(f"[{low:.6g}, {high:.6g}]" for low, high in likely)
-        warn(
-            f"it is not proved that the boundary lies within {ends}, where it is looked for; bounds=... says where to look"
-        )
-        return likely, True
+        return likely, "unproved"
     inside = likely is not None and all(a <= c and d <= b for (a, b), (c, d) in zip(likely, found, strict=True))
-    return (likely, True) if likely is not None and inside else (found, False)
+    return (likely, "likely") if likely is not None and inside else (found, "found")
 
 
 def holds_boundary(signs: FormSigns, bounds: Bounds) -> bool:

@@ -14,12 +14,12 @@ from rsym.sampling.extent import bounds_or_extent
 
 A = sp.Symbol("a", real=True)
 NAIL = rsym.sphere(1) | (rsym.cylinder(sp.Rational(1, 2)) & rsym.slab(3, 6))  # the rod does not touch the ball
-PLATE = (
-    rsym.half_plane((1, 0), 0)
-    & rsym.half_plane((-1, 0), -10)
-    & rsym.half_plane((0, 1), 0)
-    & rsym.half_plane((0, -1), -10)
-)
+
+
+def square(low, high):
+    """The square [low, high]**2 of four half-planes: no piece of it is bounded."""
+    sides = [((1, 0), low), ((-1, 0), -high), ((0, 1), low), ((0, -1), -high)]
+    return rsym.conjunction(*(rsym.half_plane(*side) for side in sides))
 
 
 def test_nothing_is_stated_by_a_piece():
@@ -39,16 +39,13 @@ def test_a_body_of_a_bounded_piece_and_one_without_bounds_is_whole():
 @pytest.mark.parametrize(
     "other",
     [
-        rsym.half_plane((0, 1), 2)
-        & rsym.half_plane((0, -1), -4)
-        & rsym.half_plane((1, 0), -1)
-        & rsym.half_plane((-1, 0), -1),
+        square(2, 4),
         rsym.implicit(1 - x**2 - (y - 3) ** 2),
     ],
     ids=["half planes", "implicit"],
 )
 @pytest.mark.parametrize("operation", [rsym.disjunction, rsym.exclusive_or])
-def test_a_disc_and_something_that_has_no_box(other, operation):
+def test_a_disc_and_something_that_brings_no_box(other, operation):
     both = operation(rsym.disc(1), other)
     assert max(line[:, 1].max() for line in rsym.level_lines(both)) > 3.9
 
@@ -65,7 +62,7 @@ def test_long_tools_do_not_stretch_what_they_cut():
 
 
 def test_what_is_cut_off_does_not_say_where_to_look():
-    plate = PLATE - rsym.disc(1)
+    plate = square(0, 10) - rsym.disc(1)
     assert_close(rsym.measure(plate).area, 100 - math.pi / 4, rtol=1e-6)
     assert_close(rsym.level_lines(plate).area, 100 - math.pi / 4, rtol=1e-3)
 
