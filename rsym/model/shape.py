@@ -10,6 +10,7 @@ from rsym.errors import RsymError
 from rsym.model import named_parts, showing
 from rsym.model.bounding import Bounds as Bounds
 from rsym.model.letters import Letter
+from rsym.model.logical import NoNumber
 from rsym.model.motions import Movable
 from rsym.model.operations import conjunction, difference, disjunction, exclusive_or, negation
 from rsym.model.systems import RSystem, in_system
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Shape(Movable):
+class Shape(NoNumber, Movable):
     """omega(x, y[, z]) > 0 inside, = 0 on the boundary, < 0 outside.
 
     Parameters
@@ -168,7 +169,8 @@ class Shape(Movable):
         """Whether points belong to the shape: omega >= 0 there, in float64.
 
         The boundary belongs to the shape, that of what was cut off too; which side of a curved boundary a point counts
-        that lies on it to rounding, rounding decides. Where omega is undefined (NaN) there is no shape.
+        that lies on it to rounding, rounding decides. Where omega is undefined (NaN) those points belong to the shape
+        that do whatever the undefined parts are (Kleene: true or unknown is true).
 
         Parameters
         ----------
@@ -196,9 +198,9 @@ class Shape(Movable):
         >>> disc.contains([0, 0.5, 1.5], [[0.0], [0.9]]).tolist()
         [[True, True, False], [True, False, False]]
         """
-        from rsym.backends.kernel import compile
+        from rsym.logic.inside import inside_kernel
 
-        inside = compile(self)(*coordinates, letters=letters)["value"] >= 0
+        inside = inside_kernel(self)(*coordinates, letters=letters)["value"] >= 0
         return inside if inside.ndim else bool(inside)
 
     def contract(self) -> Contract:
@@ -239,7 +241,7 @@ class Shape(Movable):
         return showing.displayed(self)
 
     def _repr_html_(self) -> str:
-        if len(self.coordinates) != 3 or not self.bounds:
+        if len(self.coordinates) != 3 or not self.box:
             return showing.table(self)
         from rsym.output.rendering import thumbnail
 

@@ -30,9 +30,9 @@ from rsym.output.pictures import checked_titles, page, whole
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.blanks import missing_boundary
-from rsym.sampling.contours import trace
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import lattice_over
+from rsym.sampling.level_lines import trace
 from rsym.sampling.meshing import mesh
 from rsym.sampling.plane import GivenField, plane_sampler
 
@@ -196,7 +196,7 @@ def _picture(shape: Shape, resolution: int | None, reach: float | None) -> bytes
 def _seen(shape: Shape | GivenField, reach: float | None) -> Bounds | None:
     if isinstance(shape, GivenField):
         return None
-    return shape.bounds if shape.bounds or reach is None else ((-reach, reach),) * shape.dimension
+    return None if shape.box or reach is None else ((-reach, reach),) * shape.dimension
 
 
 def _named(shapes: Any) -> Mapping[str, Any]:

@@ -1,8 +1,8 @@
 """Shapes of pieces with and without boxes of which it is known by construction where their boundary lies.
 
-Discs and bars, balls and blocks, half-spaces, formulas without a box, long tools and letters that are moved are combined,
-and moved. What is inside is said of points by logic alone; points on the boundaries of pieces at which it changes are
-points of the boundary, wherever they are.
+Discs and bars, balls and blocks, half-spaces, formulas without a box, long tools and letters that are moved are
+combined, and moved. What is inside is said of points by logic alone; points on the boundaries of pieces at which it
+changes are points of the boundary, wherever they are.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ FAR = 1e6  # beyond all bounded pieces
 
 @dataclass(frozen=True)
 class Made:
-    """A shape, what is inside, and (points, normals, whether at this place nothing else can be nearer) of its boundary."""
+    """A shape, what is inside of points, and the points and normals on the boundaries of its pieces."""
 
     shape: rsym.Shape
     inside: object

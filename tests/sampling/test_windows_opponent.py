@@ -19,9 +19,8 @@ def complaint(seed):
     except RsymError as error:
         wrong = {"unbounded": not goes_on, "empty": len(points) > 0}[error.code]
         return f"{error.code}: {made.text}" if wrong else ""
-    outside = (points < box[:, 0] - 1e-9 * distance.max(initial=0)) | (
-        points > box[:, 1] + 1e-9 * distance.max(initial=0)
-    )
+    slack = 1e-9 * distance.max(initial=0.0)
+    outside = (points < box[:, 0] - slack) | (points > box[:, 1] + slack)
     return f"{points[outside.any(axis=1)][:1]} outside {box.tolist()}: {made.text}" if outside.any() else ""
 
 
