@@ -201,7 +201,8 @@ class Prepared:
     """A shape at letters within bounds, ready for rules.
 
     `owner` is the leaf of the shape that each leaf of the functions comes from, and `parts` are the names of these;
-    `sides` are those that are bounds nobody asked for: the shape's own. `called` labels points of these leaves.
+    `sides` are those that are bounds nobody asked for: those that the shape states, or, if not `stated`, those of a box
+    that holds its boundary. `called` labels points of these leaves.
     """
 
     functions: Any
@@ -210,6 +211,7 @@ class Prepared:
     owner: Ints
     sides: range = range(0)
     called: Callable[[Floats, Ints], Labels] | None = None
+    stated: bool = True
 
     def labels(self, rule: CellRule) -> Labels:
         """Which parts the points of the boundary in a rule belong to."""
@@ -260,8 +262,10 @@ class Prepared:
                 )
 
     def warn_of_cuts(self, leaves: Ints) -> None:
-        """Say which of the shape's own bounds cut it, where the boundary is on these leaves."""
+        """Say which of the bounds that the shape states cut it, where the boundary is on these leaves."""
         cut = [self.parts[leaf].removeprefix("cap ") for leaf in np.unique(leaves) if leaf in self.sides]
+        if cut and not self.stated:
+            raise _unbounded()
         if cut:
             warn(
                 f"the shape's own bounds cut it: {', '.join(cut)}; give bounds=shape.bounds if they are meant to, "
@@ -318,18 +322,22 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
     from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 
     known, whole = bounds_or_extent(shape, bounds, letters), bounds is None and shape.bounds is None
-    form = rule_form(shape, not whole)
+    form = rule_form(shape, not whole or shape.box is not None)
     functions = LeafFunctions(shape, form.form, letters, known)
     if whole and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
-        raise RsymError(
-            "the inside of the shape is unbounded",
-            code="unbounded",
-            remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
-        )
-    own = 2 * shape.dimension if bounds is None and not whole else 0
+        raise _unbounded()
+    own = 2 * shape.dimension if bounds is None and shape.box is not None else 0
     count = len(form.names)
     called = partial(Labeller(shape, letters), behind=form.names[len(shape_form(shape).leaves) :])
-    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called)
+    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called, stated=not whole)
+
+
+def _unbounded() -> RsymError:
+    return RsymError(
+        "the inside of the shape is unbounded",
+        code="unbounded",
+        remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
+    )
 
 
 def _grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
