@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from fractions import Fraction
 from typing import Any
 
@@ -32,6 +33,7 @@ DEEPEST = 9  # halvings of cones and slabs: a cone is then 1/256 of a cube's fac
 MOST = 4096  # boxes left open at once; the paper's models need a tenth of that
 GRID = {2: 16, 3: 8}  # boxes along each axis: 256 or 512 in all fill the vectors
 SHARES = Fraction(1, 2), Fraction(0), Fraction(1)  # of ranges of letters
+AROUND, LOOKED_AT = (0.03, 0.3, 3.0), 24  # times a side beyond a window, and points along each axis there
 SLACK, MARGIN = 1 / 100, 1 / 200  # of a side; on simple bodies a box is then 3 % too long at most
 
 
@@ -131,20 +133,11 @@ def bounds_or_extent(
         return checked_bounds(bounds, shape.dimension)
     if shape.bounds is not None:
         return shape.bounds
-    values = shape.letters.values_with(letters)
-    box = shape.box if values == shape.letters.values_with(None) else None
-    if box is not None and box.known:
-        return box.ends
-    try:
-        found, how = _whole(shape, tuple(values.items()), None if box is None else box.ends)
-    except RsymError as error:
-        if shape.box is None or error.code != "empty":
-            raise
-        return shape.box.ends  # there is nothing in it either
+    found, how = _all_of_it(shape, letters)
     if how == "unproved":
         ends = ", ".join(f"[{low:.6g}, {high:.6g}]" for low, high in found)
         warn(
-            f"it is not proved that the boundary lies within {ends}, which one looks at; bounds=... says where to look"
+            f"it is not proved that the boundary lies within {ends}, where it is sought; bounds=... says where to look"
         )
     return surrounded(found, room) if how == "found" else found
 
@@ -183,6 +176,20 @@ def surrounded(bounds: Bounds, room: float) -> Bounds:
     return tuple((low - room * (high - low), high + room * (high - low)) for low, high in bounds)
 
 
+def _all_of_it(shape: Shape, letters: Mapping[Any, float] | None) -> tuple[Bounds, str]:
+    """A box that holds the boundary, and how that is known."""
+    values = shape.letters.values_with(letters)
+    box = shape.box if values == shape.letters.values_with(None) else None
+    if box is not None and box.known:
+        return box.ends, "known"
+    try:
+        return _whole(shape, tuple(values.items()), None if box is None else box.ends)
+    except RsymError as error:
+        if shape.box is None or error.code != "empty":
+            raise
+        return shape.box.ends, "known"  # there is nothing in it either
+
+
 @recently(16, written)
 def _whole(shape: Shape, values: tuple[tuple[str, float], ...], likely: Bounds | None) -> tuple[Bounds, str]:
     """A box that holds the boundary, "found" or "likely", or the likely one of which that is "unproved"."""
@@ -196,6 +203,38 @@ def _whole(shape: Shape, values: tuple[tuple[str, float], ...], likely: Bounds |
         return likely, "unproved"
     inside = likely is not None and all(a <= c and d <= b for (a, b), (c, d) in zip(likely, found, strict=True))
     return (likely, "likely") if likely is not None and inside else (found, "found")
+
+
+def goes_beyond(shape: Shape, bounds: Any = None, letters: Mapping[Any, float] | None = None) -> bool | None:
+    """Whether the boundary goes on outside of the window given, or stated; None where neither is proved.
+
+    All of it lies within where one sign is proved outside; it goes on where two are, for the outside is connected.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> disc = rsym.disc(2)
+    >>> [goes_beyond(disc, ((-reach, reach),) * 2) for reach in (1, 3)], goes_beyond(disc)
+    ([True, False], False)
+    """
+    window = bounds if bounds is not None else shape.bounds
+    if window is None:
+        return None if _all_of_it(shape, letters)[1] == "unproved" else False
+    values = shape.letters.values_with(letters)
+    box = outwards(window, shape.dimension)
+    signs = proved_signs(shape, values)
+    if holds_boundary(signs, box):
+        return False
+    lower, upper = np.array(box)[:, :1], np.array(box)[:, 1:]
+    outer = [grid(Boxes(lower - by * (upper - lower), upper + by * (upper - lower)), LOOKED_AT) for by in AROUND]
+    places = np.hstack([part.centres for part in outer])
+    places = places[:, ((places < lower) | (places > upper)).any(axis=0)]
+    if {-1, 1} <= set(signs.over(points(places)).tolist()):
+        return True
+    with suppress(RsymError):
+        found = _extent(shape, tuple(values.items()))
+        return None if any(c < a or b < d for (a, b), (c, d) in zip(box, found, strict=True)) else False
+    return None
 
 
 def holds_boundary(signs: FormSigns, bounds: Bounds) -> bool:

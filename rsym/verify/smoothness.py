@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
-from rsym.sampling.extent import outer_bounds
+from rsym.sampling.extent import goes_beyond, outer_bounds
 from rsym.sampling.progress import Effort, Progress
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
@@ -20,6 +21,7 @@ from rsym.verify.plane import BUDGET, SMALLEST, Question, report_curve
 from rsym.verify.revolution import find_meridian
 
 METHODS = ("auto", "meridian", "space")
+R = TypeVar("R", SmoothnessReport, BodyReport)
 
 
 def verify_smoothness(
@@ -100,8 +102,22 @@ def verify_smoothness(
         if any(low != high for low, high in values.values()):
             box = outer_bounds(shape, bounds, values)
             return report_over_ranges(shape, box, values, effort, smallest=smallest, budget=budget or BODY_BUDGET)
-        return report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort))
-    return report_curve(Question(shape, bounds, letters).study(letters, smallest, budget or BUDGET, effort))
+        return _beyond(report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort)), shape, bounds)
+    study = Question(shape, bounds, letters).study(letters, smallest, budget or BUDGET, effort)
+    return _beyond(report_curve(study), shape, bounds)
+
+
+def _beyond(report: R, shape: Shape, bounds: Any) -> R:
+    """The report, which says whether the boundary goes on beyond the window that it speaks of."""
+    if any(low < high for low, high in report.letters.values()):
+        return report
+    beyond = goes_beyond(shape, bounds, {name: low for name, (low, _) in report.letters.items()})
+    said = {
+        True: "the boundary goes on beyond these bounds",
+        False: "all of the boundary lies within these bounds",
+        None: "whether the boundary goes on beyond these bounds is not known",
+    }[beyond]
+    return replace(report, statements=(*report.statements, (said, beyond is not None)))
 
 
 def _in_space(shape: Any, method: str) -> bool:

@@ -120,3 +120,20 @@ def test_boxes_of_pieces_hold_them():
         inner = found + np.array([[0.03, -0.03]]) * np.ptp(found, axis=1)[:, None]
         assert (box[:, 0] <= inner[:, 0]).all()
         assert (inner[:, 1] <= box[:, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("shape", "window", "words"),
+    [
+        (rsym.disc(1), None, "all of the boundary lies within these bounds"),
+        (rsym.disc(1), ((-2, 2), (-2, 2)), "all of the boundary lies within these bounds"),
+        (rsym.disc(1), ((-2, 2), (0, 2)), "the boundary goes on beyond these bounds"),
+        (rsym.Shape(y - x, (x, y)), ((-2, 2), (-2, 2)), "the boundary goes on beyond these bounds"),
+        (rsym.disc(1) | rsym.disc(1, (9, 0)), ((-2, 2), (-2, 2)), "the boundary goes on beyond these bounds"),
+        (rsym.sphere(1), ((-2, 2),) * 3, "all of the boundary lies within these bounds"),
+    ],
+)
+def test_a_verdict_says_whether_the_boundary_goes_on_beyond_its_window(shape, window, words):
+    report = rsym.verify_smoothness(shape, bounds=window)
+    assert (words, True) in report.statements
+    assert words in str(report)
