@@ -121,7 +121,7 @@ class _Declarations:
             self._letters,
             {name: variant(statement, self._letters) for name, statement in self._variants.items()},
             coordinates,
-            None if self._bounds is None else bounds(self._bounds, coordinates),
+            None if self._bounds is None else bounds(self._bounds, coordinates, floats=self._verbatim),
             R0 if self._system is None else system(self._system, self._letters, floats=self._verbatim),
             tuple(self._assignments),
             tuple(self._parts),
@@ -252,7 +252,7 @@ def system(statement: SystemStatement, letters: Mapping[str, Letter], *, floats:
     return family(real_symbol(parameter.name)) if isinstance(parameter, Name) else checked
 
 
-def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Exact:
+def bounds(statement: BoundsStatement, coordinates: tuple[str, ...], *, floats: bool) -> Exact:
     """The box, one range for each coordinate in their order."""
     box: dict[str, tuple[Number, Number]] = {}
     for name, interval in statement.intervals:
@@ -262,7 +262,7 @@ def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Exact:
                 "bounds",
                 f"the coordinates are {listing(coordinates)}",
             )
-        low, high = closed_number(interval.low), closed_number(interval.high)
+        low, high = closed_number(interval.low, floats), closed_number(interval.high, floats)
         if not float(low) < float(high):
             raise _empty(interval, low, high, "bounds")
         box[name.name] = (low, high)

@@ -101,6 +101,10 @@ def test_bounds_are_exact_numbers():
     assert rsym.verify_smoothness(corner).verdict != "CERTIFIED"
     again = rsym.loads(rsym.dumps(corner))
     assert again.box == corner.box
+    turned = rsym.Shape(y, (x, y), bounds=((-1, 1), (-1, 1))).rotate(
+        1
+    )  # ends of 17 digits are the floats that they are
+    assert rsym.loads(rsym.dumps(turned)).box == turned.box
     inside = rsym.Shape(rsym.conjunction(sp.sqrt(2) - x, y), (x, y), bounds=((-1, sp.sqrt(2)), (-1, 1)))
     assert rsym.verify_smoothness(inside).verdict != "CERTIFIED"
 
