@@ -202,7 +202,8 @@ class Prepared:
     """A shape at letters within bounds, ready for rules.
 
     `owner` is the leaf of the shape that each leaf of the functions comes from, and `parts` are the names of these;
-    `sides` are those that are bounds nobody asked for: the shape's own. `called` labels points of these leaves.
+    `sides` are those that are bounds nobody asked for: the shape's own. `called` labels points of these leaves. `walls`
+    are those where the shape ends with its domain or at a pole: omega is not zero there, and nothing of them counts.
     """
 
     functions: Any
@@ -211,6 +212,7 @@ class Prepared:
     owner: Ints
     sides: range = range(0)
     called: Callable[[Floats, Ints], Labels] | None = None
+    walls: tuple[int, ...] = ()
 
     def labels(self, rule: CellRule) -> Labels:
         """Which parts the points of the boundary in a rule belong to."""
@@ -268,6 +270,11 @@ class Prepared:
                 f"the shape's own bounds cut it: {', '.join(cut)}; give bounds=shape.bounds if they are meant to, "
                 "else bounds=rsym.extent(shape), or wider ones"
             )
+        if np.isin(leaves, self.walls).any():
+            warn(
+                "the shape ends where a part of it has no value beyond, or at a pole: omega is not zero there, and "
+                "that is not counted as boundary"
+            )
 
     def grid(self, cells: int) -> CellGrid:
         """Cubical cells, so many along the longest side."""
@@ -282,7 +289,15 @@ class Prepared:
         """The rule in some cells after the other; the portions depend on the grid alone."""
         require_count("order", order, "the number of points along each direction of a cell, for example 8")
         towards = _grading(near, self.functions.dimension)
-        make = partial(rule_portion, self.functions, grid, order=order, near=towards)
+
+        def make(cells: Ints) -> RulePortion:
+            portion = rule_portion(self.functions, grid, cells, order, towards)
+            on_walls = np.isin(self.owner[portion.rule.edge_leaf], self.walls)
+            if not on_walls.any():
+                return portion
+            weights = np.where(on_walls, 0.0, portion.rule.edge_weights)
+            return replace(portion, rule=replace(portion.rule, edge_weights=weights))
+
         some, count = self._some_cells(grid, order, towards), checked_threads(threads)
         many = count > 1 and len(some) > 1
         yield from lasting_threads("rsym-rules", count).map(make, some) if many else map(make, some)
@@ -331,7 +346,7 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
     own = 2 * shape.dimension if bounds is None and box is not None else 0
     count = len(form.names)
     called = partial(Labeller(shape, letters), behind=form.names[len(shape_form(shape).leaves) :])
-    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called)
+    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called, form.walls)
 
 
 def _grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
