@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -211,7 +211,7 @@ class Prepared:
     parts: tuple[str, ...]
     owner: Ints
     sides: range = range(0)
-    called: Callable[[Floats, Ints], Labels] | None = None
+    called: Labeller | None = None
     walls: tuple[int, ...] = ()
 
     def labels(self, rule: CellRule) -> Labels:
@@ -232,6 +232,8 @@ class Prepared:
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
         leaves = self.owner[rule.edge_leaf]
+        if self.called is not None:
+            leaves = self.called.leaves(rule.edge_points.T, leaves)
         self.warn_of_cuts(leaves)
         boundary = BoundaryQuadrature(
             rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts, self.called
@@ -345,7 +347,7 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
         )
     own = 2 * shape.dimension if bounds is None and box is not None else 0
     count = len(form.names)
-    called = partial(Labeller(shape, letters), behind=form.names[len(shape_form(shape).leaves) :])
+    called = Labeller(shape, letters, form.names[len(shape_form(shape).leaves) :])
     return Prepared(functions, known, form.names, form.owner, range(count - own, count), called, form.walls)
 
 
