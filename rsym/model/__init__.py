@@ -9,7 +9,8 @@ bounds and named parts. In the order of the data:
 - `letters` and `arguments`: what a shape is given, checked once; `requirements`: what all public functions refuse alike
 - `equation`: the data of a shape; `motions` of it; `named_parts`; `shape`: `Shape`, which joins these
 - `operations`: logic on shapes or expressions; `primitives/`: shapes of numbers; `constructions`,
-  `symmetry/`, `blends/`: shapes of shapes; `skeletons`, with `positivity`: bodies around curves
+  `symmetry/`, `blends/`: shapes of shapes; `distances`, `parallels`: leaves as functions of a distance, bodies moved
+  by one, leaf by leaf; `skeletons`, with `positivity`: bodies around curves
 - `recent`: what is made of a shape kept by what it is; `abridging`, `showing`: a shape as people see it;
   `wording`: what a message proposes and lists
 """

@@ -13,7 +13,8 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
   triangles as bytes
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full
 - `rules/`: rules of integration inside and on the boundary (`rsym.quadrature`)
-- on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside
+- on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside; `offsets`: whether
+  a shell is as thick as was asked for
 - letters from data: `boundary_distances` of points, or of the lines of sight of `silhouettes`; `fitting` (`rsym.fit`)
   and its `fit_report`; `sensitivity`: how fast the boundary moves with a letter
 - `pencils`, `hits`, `rays`: rays of a picture cast at the equation, and what they meet; `ray_march`: without a
