@@ -7,12 +7,9 @@ level lines and meshes, and drawn.
 
 import logging
 
-import lazy_loader
-
-from rsym.garbage import uncollected
+from rsym.facade import attach
 
 # A library is silent until a program that uses it asks for its log.
 logging.getLogger("rsym").addHandler(logging.NullHandler())
 
-_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
-__getattr__ = uncollected()(_load)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -100,11 +100,12 @@ from .problems.stated import StatedProblem, load_problem
 from .problems.torsion import Torsion, torsion
 from .problems.weak_solving import solve_form
 from .program.fields import SIX
-from .sampling.contours import LevelLines, level_lines
+from .sampling.contours import LevelLines
 from .sampling.curvatures import corner_curvatures, vertex_curvatures
 from .sampling.extent import extent
 from .sampling.fit_report import Fit
 from .sampling.fitting import fit
+from .sampling.level_lines import level_lines
 from .sampling.mesh import Mesh
 from .sampling.mesh_file import MeshFile
 from .sampling.meshing import Mesher, mesh

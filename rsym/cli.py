@@ -20,11 +20,13 @@ import sys
 import textwrap
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import Any, NoReturn
 
 from rsym import commands
-from rsym.commands.options import QUIET
+from rsym.atomic import target_of
+from rsym.commands.options import QUIET, OutputFile
 from rsym.errors import RsymError, RsymWarning
 
 INTERRUPTED = 130  # what shells call a command that Ctrl-C has ended: 128 and the number of the signal
@@ -67,6 +69,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("always", RsymWarning)
             warnings.showwarning = _show_warning
+            for given in vars(options).values():
+                if isinstance(given, OutputFile):
+                    target_of(Path(given))
             code: int | None = options.command(options)
         sys.stdout.flush()
     except RsymError as error:

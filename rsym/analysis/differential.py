@@ -1,7 +1,7 @@
 """Derivatives of a shape and curvatures of its level sets, in closed form, R-nodes kept.
 
 One rule a function, applied once to each shared part and without recursion.
-|u| has the derivative u' u/|u|, that of sign is 0, and min and max have piecewise
+|u| has the derivative u' u/|u|, those of sign and floor are 0, and min and max have piecewise
 ones, undefined on the tie: never a Dirac impulse, whatever the order. On the border
 of a Piecewise a formula is that of the branch taken there; kernels say NaN where
 the branches differ.
@@ -70,6 +70,8 @@ def _rule(part: sp.Basic, inner: list[sp.Expr], symbol: sp.Symbol) -> sp.Expr:
     if isinstance(part, sp.sign):
         u = part.args[0]
         return sp.Piecewise((0, u > 0), (0, u < 0), (sp.S.NaN, True), evaluate=False)
+    if isinstance(part, sp.floor):
+        return sp.Piecewise((0, part.args[0] > part), (sp.S.NaN, True), evaluate=False)
     if isinstance(part, sp.Min | sp.Max):
         return _extremum(part, inner)
     if isinstance(part, Choice):

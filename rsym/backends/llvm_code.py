@@ -140,7 +140,7 @@ def declarations(kind: Kind, nodes: Iterable[Node]) -> list[str]:
     libm = [f"declare double @{name}({', '.join(['double'] * count)})" for name, count in ARITIES.items()]
     intrinsics = [
         f"declare {each.type} @llvm.{intrinsic}.{each.suffix}({each.type})"
-        for intrinsic in INTRINSICS
+        for intrinsic in (*INTRINSICS, *sorted({"floor"} & {node.operation for node in nodes}))
         for each in (kind, SCALAR)
     ]
     return [*libm, *intrinsics, *definitions(sorted({node.operation for node in nodes} & ARITIES.keys()), kind.lanes)]

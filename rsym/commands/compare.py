@@ -11,6 +11,7 @@ from rsym.commands.options import (
     Commands,
     add_command,
     add_model_name,
+    add_output,
     add_revolve,
     load_model,
     load_shape,
@@ -55,7 +56,7 @@ def add(commands: Commands) -> None:
         help='R-systems instead of designs: class, order, operations, slope on the boundary; R0 R1 "Rp 4" "R0m 2"',
     )
     parser.add_argument("--json", action="store_true", help="print the table with all reports as JSON")
-    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the designs: .png, .svg, .pdf or .eps")
+    add_output(parser, "a picture of the designs: .png, .svg, .pdf or .eps")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -10,6 +10,7 @@ from rsym.commands.options import (
     Commands,
     add_command,
     add_model,
+    add_output,
     add_resolution,
     add_revolve,
     add_system,
@@ -36,9 +37,7 @@ def add(commands: Commands) -> None:
     add_system(parser)
     add_revolve(parser)
     add_resolution(parser, 128, "128; of meshes that are served, and of a formula too long to be drawn")
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", help="write the page, .html, and serve nothing: it needs nothing else"
-    )
+    add_output(parser, "write the page, .html, and serve nothing: it needs nothing else")
     parser.add_argument("--port", type=int, default=0, help="where to serve the page (default: one that is free)")
     parser.add_argument("--no-open", action="store_true", help="open no browser, only print the address")
 

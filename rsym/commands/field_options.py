@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
-from rsym.commands.options import load_model, numbers
+from rsym.commands.options import add_output, load_model, numbers
 from rsym.errors import RsymError
 
 if TYPE_CHECKING:
@@ -23,9 +23,7 @@ DATA, LINES = ".vtu", ".dxf"
 def add_picture(parser: argparse.ArgumentParser, *, lines: bool = True) -> None:
     """The picture, which need not be; `lines`: whether there are level lines."""
     drawn = f", {LINES} for level lines" if lines else ""
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", help=f"a picture: .png, .svg, .pdf or .eps; or {DATA} for ParaView{drawn}"
-    )
+    add_output(parser, f"a picture: .png, .svg, .pdf or .eps; or {DATA} for ParaView{drawn}")
     parser.set_defaults(lined=lines)
 
 

@@ -31,7 +31,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the picture: .png, .svg, .pdf or .eps")
+    add_output(parser, "the picture: .png, .svg, .pdf or .eps", required=True)
     add_section(parser)
     add_resolution(parser, 400)
 

@@ -8,6 +8,7 @@ from rsym.commands.options import (
     Commands,
     add_command,
     add_model,
+    add_output,
     add_revolve,
     add_section,
     load_shape,
@@ -30,8 +31,8 @@ def add(commands: Commands) -> None:
     add_model(parser, "a value to start from, or one that stays")
     parser.add_argument("points", metavar="POINTS", help="a text file, a row of numbers for each point: x,y or x,y,z")
     parser.add_argument("--find", required=True, metavar="LETTER,...", help="the letters to find")
-    parser.add_argument("-o", "--output", metavar="FILE", help="the letters of the shape: .json")
-    parser.add_argument("--picture", metavar="FILE", help="the boundary and the points: .png, .svg, .pdf or .eps")
+    add_output(parser, "the letters of the shape: .json")
+    add_output(parser, "the boundary and the points: .png, .svg, .pdf or .eps", "--picture")
     parser.add_argument(
         "--loss", default="linear", metavar="LOSS", help="linear, or for data with outliers huber, soft_l1, cauchy"
     )

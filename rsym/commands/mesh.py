@@ -44,7 +44,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    explain(add_output(parser, ""), "the mesh, in the format of its suffix: %(known)s", _formats)
+    explain(add_output(parser, "", required=True), "the mesh, in the format of its suffix: %(known)s", _formats)
     add_revolve(parser)
     add_resolution(parser, 128)
     parser.add_argument(
@@ -54,7 +54,7 @@ def add(commands: Commands) -> None:
         help="sharp: exact edges and corners; smooth: marching cubes (default: sharp)",
     )
     parser.add_argument("--open", action="store_true", help="leave the surface open where it leaves the bounds")
-    parser.add_argument("--features", metavar="FILE", help="also write the curves where parts meet: .dxf")
+    add_output(parser, "also write the curves where parts meet: .dxf", "--features")
     parser.add_argument("--size", metavar="LENGTH", help="how long the longest side gets: 120mm, 4.5in")
     parser.add_argument("--scale", type=float, metavar="FACTOR", help="units to one unit of the model (default: 1)")
     parser.add_argument(
@@ -84,8 +84,12 @@ def _coloured_formats() -> str:
 
 def run(options: argparse.Namespace) -> None:
     """Mesh the shape, write it, and say what is known of the mesh."""
+    from rsym.output.files import check_features, mesh_format
     from rsym.output.units import check_size
 
+    mesh_format(options.output, options.colour_by)
+    if options.features:
+        check_features(options.features)
     check_size(unit=options.unit, size=options.size, scale=options.scale)
     shape = load_shape(options)
     if options.memory is not None:

@@ -90,9 +90,15 @@ def explain(action: argparse.Action, text: str, tell: Callable[[], str]) -> None
     action.help = text
 
 
-def add_output(parser: argparse.ArgumentParser, what: str) -> argparse.Action:
-    """The file to write."""
-    return parser.add_argument("-o", "--output", required=True, metavar="FILE", help=what)
+class OutputFile(str):
+    """The name of a file to write: before a command begins to work its folder is asked for."""
+
+
+def add_output(parser: argparse.ArgumentParser, what: str, *names: str, required: bool = False) -> argparse.Action:
+    """A file to write; without another name it is -o."""
+    return parser.add_argument(
+        *(names or ("-o", "--output")), required=required, type=OutputFile, metavar="FILE", help=what
+    )
 
 
 def add_resolution(parser: argparse.ArgumentParser, default: int | None, note: str = "") -> None:

@@ -31,7 +31,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the picture: .png")
+    add_output(parser, "the picture: .png", required=True)
     add_revolve(parser)
     add_section(parser)
     explain(parser.add_argument("--view", metavar="NAME"), "where the eye stands: %(known)s", _views)

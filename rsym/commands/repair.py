@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import argparse
 
-from rsym.commands.options import Commands, add_command, add_model, add_revolve, add_timeout, load_shape, progress_bar
+from rsym.commands.options import (
+    Commands,
+    add_command,
+    add_model,
+    add_output,
+    add_revolve,
+    add_timeout,
+    load_shape,
+    progress_bar,
+)
 
 GROUP = "proofs"
 
@@ -28,7 +37,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("--radius", type=float, metavar="R", help="the size of roundings and blends, a length")
     add_timeout(parser, "what was not tried by then is rejected")
     parser.add_argument("--json", action="store_true", help="print the candidates as JSON")
-    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the candidates: .png, .svg, .pdf or .eps")
+    add_output(parser, "a picture of the candidates: .png, .svg, .pdf or .eps")
 
 
 def run(options: argparse.Namespace) -> int:

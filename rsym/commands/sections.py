@@ -33,7 +33,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the layers: .svg or .dxf; the stack seen from above: .png or .pdf")
+    add_output(parser, "the layers: .svg or .dxf; the stack seen from above: .png or .pdf", required=True)
     parser.add_argument(
         "--values", required=True, type=values, metavar="V,V,...", help="where the planes lie: 1,2,4 or 1:4:0.5"
     )

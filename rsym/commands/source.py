@@ -4,7 +4,16 @@ from __future__ import annotations
 
 import argparse
 
-from rsym.commands.options import Commands, add_command, add_model, add_revolve, add_system, explain, load_shape
+from rsym.commands.options import (
+    Commands,
+    add_command,
+    add_model,
+    add_output,
+    add_revolve,
+    add_system,
+    explain,
+    load_shape,
+)
 
 GROUP = "models"
 
@@ -31,7 +40,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--constants", action="store_true", help="the letters as numbers in the text, not as arguments of the function"
     )
-    parser.add_argument("-o", "--output", metavar="FILE", help="write the text there (default: print it)")
+    add_output(parser, "write the text there (default: print it)")
 
 
 def run(options: argparse.Namespace) -> None:

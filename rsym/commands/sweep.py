@@ -33,7 +33,7 @@ def add(commands: Commands) -> None:
     )
     add_model(parser)
     add_system(parser)
-    add_output(parser, "the picture: .png, .svg, .pdf or .eps")
+    add_output(parser, "the picture: .png, .svg, .pdf or .eps", required=True)
     parser.add_argument("--letter", required=True, metavar="NAME", help="the letter that changes")
     parser.add_argument(
         "--values",

@@ -9,6 +9,7 @@ from rsym.commands.options import (
     Commands,
     add_command,
     add_model,
+    add_output,
     add_revolve,
     add_system,
     add_timeout,
@@ -44,7 +45,7 @@ def add(commands: Commands) -> None:
         help="auto: a body of revolution by its meridian; space: any body by boxes in space (default: auto)",
     )
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
-    parser.add_argument("-o", "--output", metavar="FILE", help="a picture of the verdict: .png, .svg, .pdf or .eps")
+    add_output(parser, "a picture of the verdict: .png, .svg, .pdf or .eps")
     add_timeout(parser, "what is not settled by then counts as undecided")
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument(

@@ -9,6 +9,7 @@ from rsym.commands.options import (
     Commands,
     add_command,
     add_model,
+    add_output,
     add_resolution,
     add_revolve,
     add_system,
@@ -30,7 +31,7 @@ def add(commands: Commands) -> None:
     add_revolve(parser)
     add_resolution(parser, 128)
     parser.add_argument("--colour-by", choices=["part"], help="a colour for each part of the model")
-    parser.add_argument("-o", "--output", metavar="FILE", help="keep the page: a name that ends in .html")
+    add_output(parser, "keep the page: a name that ends in .html")
     parser.add_argument("--verbose", action="store_true", help="every place that is unresolved, not the worst alone")
     parser.add_argument("--no-open", action="store_true", help="only write the page, and print where it is")
 
@@ -38,9 +39,11 @@ def add(commands: Commands) -> None:
 def run(options: argparse.Namespace) -> None:
     """Mesh the shape, write the page, open it."""
     from rsym.commands.mesh import told
-    from rsym.output.viewing import view
+    from rsym.output.viewing import check_page, view
     from rsym.sampling.meshing import mesh
 
+    if options.output is not None:
+        check_page(options.output)
     shape = load_shape(options)
     with progress_bar("step", "meshing") as progress, warnings.catch_warnings():
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same

@@ -17,6 +17,7 @@ from rsym.language.syntax import Position
 from rsym.language.vm import LONGEST_TEXT as LONGEST_LINES
 from rsym.language.vm import chosen_shape, declared, is_vm
 from rsym.model.shape import Shape
+from rsym.model.wording import proposal
 
 ROOMS = ("", "gallery", "problems")  # of the models that come with rsym
 _LONGEST_FILE = 4 * LONGEST_TEXT + len(codecs.BOM_UTF8)  # bytes; UTF-8 needs at most four for a character
@@ -166,8 +167,11 @@ def shipped(name: str) -> Path | None:
     """
     if not name.isidentifier():
         return None
-    models = Path(str(files("rsym"))) / "paper"
-    return next((path for path in (models / room / f"{name}.rf" for room in ROOMS) if path.is_file()), None)
+    return next((path for path in (_models() / room / f"{name}.rf" for room in ROOMS) if path.is_file()), None)
+
+
+def _models() -> Path:
+    return Path(str(files("rsym"))) / "paper"
 
 
 def _read(path: str | PathLike[str]) -> bytes:
@@ -179,9 +183,9 @@ def _read(path: str | PathLike[str]) -> bytes:
     except FileNotFoundError:
         if (model := shipped(str(path))) is not None:
             return model.read_bytes()
-        raise RsymError(
-            f"no file {str(path)!r}", code="missing-file", remedy="check the path, or name a shipped model"
-        ) from None
+        known = [file.stem for room in ROOMS for file in sorted((_models() / room).glob("*.rf"))]
+        remedy = proposal(path, known, "check the path, or name a shipped model")
+        raise RsymError(f"no file {str(path)!r}", code="missing-file", remedy=remedy) from None
     except (OSError, ValueError, TypeError) as error:
         raise RsymError(f"cannot read {path!r}: {error}", code="unreadable-file", remedy="give a text file") from None
     if len(data) > longest:

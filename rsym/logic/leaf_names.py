@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from operator import itemgetter
 
 import sympy as sp
 
+from rsym.logic.faces import BETWEEN, faces_of, shape_faces
 from rsym.logic.sign_form import SignForm, shape_form, sign_form
 from rsym.logic.stripping import scaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.nodes import Fold
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
-from rsym.model.symbols import postorder, symbols_of
+from rsym.model.symbols import postorder
 from rsym.program.builder import Builder
-from rsym.program.lowering import lower_all
+from rsym.program.lowering import lower, lower_all
 
 LONGEST_FORMULA = 40  # characters
 # A formula of more pieces is too long to be read, and written out it may be exponentially longer than it is stored.
@@ -25,12 +25,14 @@ FLOAT_DIGITS = 15  # that SymPy writes at most
 
 
 def leaf_names(form: SignForm, shape: Shape) -> tuple[str, ...]:
-    """One name for each leaf of the sign form of a shape.
+    """One name for each leaf of a sign form of a shape.
 
     A leaf is called like the smallest part of the shape, the one of fewest
-    leaves, that has it or its negation among its leaves; of parts of one size,
-    like the first. A leaf of no part is called by its formula, a long one by its
-    number, a side of the bounds ``cap x lower``.
+    leaves, that it belongs to; of parts of one size, like the first. A leaf of
+    several parts, which has a face of each, has the names of all: ``A / B``;
+    which one bounds the body at a point, `rsym.sampling.labels` tells. A leaf of
+    no part is called by its formula, a long one by its number, a side of the
+    bounds ``cap x lower``.
 
     Examples
     --------
@@ -43,7 +45,7 @@ def leaf_names(form: SignForm, shape: Shape) -> tuple[str, ...]:
     >>> leaf_names(surface_form(shape), shape)
     ('slab', 'corner', 'corner', '-x - y')
     """
-    return tuple(names[0] for names in leaf_parts(form, shape))
+    return tuple(title for title, _ in _named(form, shape))
 
 
 def leaf_parts(form: SignForm, shape: Shape) -> tuple[tuple[str, ...], ...]:
@@ -58,14 +60,7 @@ def leaf_parts(form: SignForm, shape: Shape) -> tuple[tuple[str, ...], ...]:
     >>> leaf_parts(surface_form(lens - rsym.disc(1)), lens - rsym.disc(1))
     (('rim', 'half'), ('half',), ('x**2/2 + y**2/2 - 1/2',))
     """
-    count = len(form.leaves) - form.caps
-    # SymPy moves signs and constant factors about.
-    keys = [scaled(form.builder, leaf)[0] for leaf in form.leaves[:count]]
-    named = _names_of_parts(form.builder, shape)
-    texts = {} if all(key in named for key in keys) else _formulas(form.builder, shape.expression)
-    names = [named.get(key) or (texts.get(key) or f"leaf {number}",) for number, key in enumerate(keys)]
-    sides = [(f"cap {coordinate} {side}",) for coordinate in shape.coordinates for side in ("lower", "upper")]
-    return (*names, *sides[: form.caps])
+    return tuple(parts for _, parts in _named(form, shape))
 
 
 @recently(16, written)
@@ -74,28 +69,45 @@ def shape_leaf_parts(shape: Shape) -> tuple[tuple[str, ...], ...]:
     return leaf_parts(shape_form(shape), shape)
 
 
+@recently(16, written)
 def shape_leaf_names(shape: Shape) -> tuple[str, ...]:
     """Their names."""
-    return tuple(names[0] for names in shape_leaf_parts(shape))
+    return leaf_names(shape_form(shape), shape)
 
 
-def _names_of_parts(builder: Builder, shape: Shape) -> Mapping[int, tuple[str, ...]]:
-    """The names of the parts that hold a leaf, the smallest first, by the key of the leaf."""
-    known = {*builder.coordinates, *builder.letters}
-    # A part may speak of letters that have cancelled out of the shape: it is no part of it any more.
-    parts = [part for part in shape.parts if all(symbol.name in known for symbol in symbols_of(part[1]))]
-    # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a.
-    nodes = lower_all(builder, [signed for _, part in parts for signed in map(with_gates, (part, -part))])
-    leaves = [[scaled(builder, leaf)[0] for leaf in sign_form(builder, node).leaves] for node in nodes]
-    holding: defaultdict[int, list[tuple[int, str]]] = defaultdict(list)
-    for (name, _), *both in zip(parts, leaves[::2], leaves[1::2], strict=True):
-        for keys in both:
-            for key in keys:
-                holding[key].append((len(keys), name))
-    return {
-        key: tuple(dict.fromkeys(name for _, name in sorted(found, key=itemgetter(0))))
-        for key, found in holding.items()
-    }
+@recently(16, written)
+def face_names(shape: Shape) -> tuple[str, ...]:
+    """The name of each of the faces of a shape alone; of no part, that of its formula."""
+    faces = shape_faces(shape)
+    texts = _texts(faces.form, shape) if any(not face.parts for face in faces.faces) else []
+    return tuple(face.parts[0] if face.parts else texts[face.leaf] for face in faces.faces)
+
+
+def _named(form: SignForm, shape: Shape) -> list[tuple[str, tuple[str, ...]]]:
+    """Title and parts of each leaf of a form that may have been made from that of the shape."""
+    b, count = form.builder, len(form.leaves) - form.caps
+    plain = sign_form(b, lower(b, with_gates(shape.expression)))
+    faces = faces_of(plain, shape)
+    # SymPy moves signs and constant factors about.
+    of_key: defaultdict[int, list[int]] = defaultdict(list)
+    for number, face in enumerate(faces.faces):
+        if face.parts:
+            of_key[scaled(b, plain.leaves[face.leaf])[0]].append(number)
+    keys = [scaled(b, leaf)[0] for leaf in form.leaves[:count]]
+    texts = _texts(form, shape) if not all(key in of_key for key in keys) else [""] * len(keys)
+    named = [
+        (BETWEEN.join(faces.title(of_key[key])), faces.holding(of_key[key])) if key in of_key else (text, (text,))
+        for key, text in zip(keys, texts, strict=True)
+    ]
+    sides = [f"cap {coordinate} {side}" for coordinate in shape.coordinates for side in ("lower", "upper")]
+    return [*named, *((side, (side,)) for side in sides[: form.caps])]
+
+
+def _texts(form: SignForm, shape: Shape) -> list[str]:
+    """The leaves by their formulas, long ones by their numbers."""
+    texts = _formulas(form.builder, shape.expression)
+    keys = [scaled(form.builder, leaf)[0] for leaf in form.leaves[: len(form.leaves) - form.caps]]
+    return [texts.get(key) or f"leaf {number}" for number, key in enumerate(keys)]
 
 
 def _formulas(builder: Builder, expression: sp.Expr) -> Mapping[int, str]:

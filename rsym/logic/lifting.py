@@ -45,6 +45,29 @@ def opened(form: SignForm) -> SignForm:
     return replace(sign_form(builder, made[-1]), parameters=form.parameters)
 
 
+def origins(form: SignForm, made: Sequence[int], leaves: Sequence[int]) -> list[int]:
+    """For each of some leaves the number of the leaf of a form that it comes from, which became the node `made` of it.
+
+    -1 for those that come from none.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> from rsym import x, y, z
+    >>> from rsym.logic.sign_form import surface_form
+    >>> row = rsym.disjunction(*[1 - (x - 3 * k) ** 2 - y**2 for k in range(100)], system=rsym.R1)
+    >>> form = surface_form(rsym.Shape(rsym.conjunction(z, row / 2 - 1), (x, y, z)))
+    >>> large = [lifted(form.builder, leaf) for leaf in form.leaves]
+    >>> origins(form, large, opened(form).leaves)[:3]
+    [0, 1, 1]
+    """
+    first: dict[int, int] = {}
+    for number, node in enumerate(made):
+        for leaf in (node,) if node == form.leaves[number] else sign_form(form.builder, node).leaves:
+            first.setdefault(leaf, number)
+    return [first.get(leaf, -1) for leaf in leaves]
+
+
 def lifted(builder: Builder, number: int, few: int | None = None) -> int:
     """A node of the same value to the bit, with choices on top of sums and multiples if it has more than a few."""
     few = FEW if few is None else few

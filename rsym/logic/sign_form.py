@@ -12,11 +12,12 @@ arithmetic stay as they are. A *gate* is a min or a max of two operands; gates a
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
+from rsym.logic.steps import parted, sign_gate
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
@@ -129,6 +130,17 @@ class SignForm:
         digest = self.builder.program({"value": self.value, **chosen}).digest
         return f"{self.leaves}{self.gates}{[operation for operation, _ in self.parameters]}{digest}"
 
+    @property
+    def walls(self) -> dict[int, dict[int, int | None]]:
+        """The leaves that are ends of domains: the body ends there, omega is not zero; by leaf what it is at a wall."""
+        places = {node: number for number, node in enumerate(self.leaves)}
+        found = {node: ends for node, ends in self.builder.walls.items() if node in places}
+        return {
+            places[wall]: {places[leaf]: limit for leaf, limit in ends.items() if leaf in places}
+            for wall, ends in found.items()
+            if wall not in self.builder.faces
+        }
+
     def capped(self) -> SignForm:
         """The form inside its bounds, six leaves more; the bounds are the letters ``x lower``, ``x upper``, ..."""
         b = self.builder
@@ -237,6 +249,22 @@ def shape_form(shape: Shape, *more: str) -> SignForm:
     return sign_form(builder, lower(builder, with_gates(shape.expression)))
 
 
+def known_form(shape: Shape) -> SignForm | None:
+    """The form that says where a shape is if omega does not, for parts of it have no value somewhere or jump.
+
+    Examples
+    --------
+    >>> import rsym, sympy
+    >>> from rsym import x, y
+    >>> len(known_form(rsym.Shape(sympy.sqrt(x) - y, (x, y))).leaves), known_form(rsym.disc(1))
+    (2, None)
+    """
+    form = shape_form(shape)
+    nodes, uniform = form.builder.nodes, form.builder.uniform
+    signs = {number for number, node in enumerate(nodes) if node.operation == "sign" and not uniform[number]}
+    return form if form.builder.rewritten or not signs <= set(live(nodes, form.leaves)) else None
+
+
 def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
     """The program of a function with the same zero set and signs: constant factors drop, omega_n goes back to omega.
 
@@ -250,7 +278,30 @@ def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
 
 
 def sign_form(builder: Builder, number: int) -> SignForm:
-    """The sign form of a node."""
+    """The sign form of a node: leaves that have a value everywhere, and do not jump (`domains`, `steps`)."""
+    form = _gated(builder, number)
+    made = _known(builder, number, ())
+    if made == number:
+        return form
+    builder.rewritten = True
+    return replace(_gated(builder, made), parameters=form.parameters)
+
+
+def _known(builder: Builder, number: int, guards: Collection[int]) -> int:
+    """The node, or one of the same sign whose leaves have a value everywhere and do not jump."""
+    form = _gated(builder, number)
+    builder.faces.update(leaf for leaf in form.leaves if leaf not in builder.walls)
+    known = partial(_known, builder)
+    leaves = [parted(builder, leaf, guards, known) for leaf in form.leaves]
+    if tuple(leaves) == form.leaves:
+        return number
+    return through(form.gates, leaves, lambda gate, first, second: sign_gate(builder, gate.operation, first, second))[
+        -1
+    ]
+
+
+def _gated(builder: Builder, number: int) -> SignForm:
+    """The sign form of a node by its gates alone."""
     leaves: dict[int, int] = {}
     joined: list[tuple[str, Operand, Operand]] = []
     parameters: dict[tuple[str, int], None] = {}

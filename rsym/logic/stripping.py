@@ -1,6 +1,7 @@
 """Stripping: a node without what does not change its zeros, and the sign that this leaves.
 
-Negations, constants and factors of one sign count as a sign; odd powers and normalisation keep sign and zeros.
+Negations, constants and factors of one sign count as a sign; odd powers and normalisation keep sign and zeros, and so
+does what rises through 0, however steeply: atan and erf of u, tanh(u), sinh(u), exp(u) - 1, 1/(1 + exp(-u)) - 1/2.
 Which factors have one sign is for the caller to say: by their form everywhere, by their values on a box, or
 by the signs of tests on many boxes at once.
 """
@@ -13,6 +14,8 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from rsym.program.builder import Builder
+from rsym.program.operations import OPERATIONS
+from rsym.program.row import UP
 
 TERMS = 32  # parts of a sum that is compared with others
 
@@ -95,7 +98,55 @@ class Stripping:
                     return Signed(other, sign)
         if operation == "div" and (sign := (self.divisor_sign or self.sign_of)(arguments[1])):
             return Signed(arguments[0], sign)
+        if (inner := rising(self.builder, number)) is not None:
+            return inner
         return None if self.otherwise is None else self.otherwise(number)
+
+
+def rising(builder: Builder, number: int) -> Signed | None:
+    """The u of a node that rises, or falls, with u alone, and is 0 where u is, by its form; else None.
+
+    Examples
+    --------
+    >>> b = Builder(("x",), ())
+    >>> logistic = b.div(b.const(1), b.add(b.const(1), b.make("exp", b.input("x"))))
+    >>> rising(b, b.sub(logistic, b.const(Fraction(1, 2)))) == Signed(b.input("x"), -1)
+    True
+    """
+    operation, arguments, _ = builder.nodes[number]
+    row = OPERATIONS[operation]
+    if row.grows == (UP,) and row.parity == "odd":
+        return Signed(arguments[0])
+    if operation == "atan2" and constant_sign(builder, arguments[1]) > 0:
+        return Signed(arguments[0])
+    if operation != "add":
+        return None
+    (one, some), (other, more) = (scaled(builder, argument) for argument in arguments)
+    if builder.nodes[one].operation == builder.nodes[other].operation == "exp" and some == -more:
+        (first,), (second,) = builder.nodes[one].arguments, builder.nodes[other].arguments
+        doubled = builder.neg(first) == second  # sinh
+        return Signed(first if doubled else builder.sub(first, second), 1 if some > 0 else -1)
+    return _above(builder, number, Fraction(0))
+
+
+def _above(builder: Builder, number: int, level: Fraction) -> Signed | None:
+    """What has the sign of the node less a level, where that is an exponential less 1 in the end."""
+    sign = 1
+    while True:
+        number, times = scaled(builder, number)
+        sign, level = sign if times > 0 else -sign, level / times
+        operation, arguments, _ = builder.nodes[number]
+        if operation == "exp":
+            return Signed(arguments[0], sign) if level == 1 else None
+        constants = [builder.value(argument) for argument in arguments]
+        if operation == "add" and (constant := next((c for c in constants if c is not None), None)) is not None:
+            level -= constant
+            number = arguments[1] if constants[0] is not None else arguments[0]
+        elif operation == "div" and constants[0] and level / constants[0] > 0 and is_positive(builder, arguments[1]):
+            # c/v is above t where v is below c/t, both of one sign
+            sign, level, number = (-sign if constants[0] > 0 else sign), constants[0] / level, arguments[1]
+        else:
+            return None
 
 
 def formal_sign(builder: Builder, number: int) -> int:

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 
 import sympy as sp
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.letters import Letter, as_letters
 from rsym.model.symbols import as_expression, real_replacements, substitute, symbols_of
 from rsym.model.vectors import norm
@@ -56,6 +56,21 @@ def angle(value: Any, what: str, *, degrees: bool) -> sp.Expr:
         raise RsymError(f"degrees must be True or False, got {degrees!r}", code="switch", remedy="degrees=True")
     given = number(value, what)
     return given * sp.pi / 180 if degrees else given
+
+
+def turn(value: Any, what: str, *, degrees: bool) -> sp.Expr:
+    """An angle that may be any: a warning says what to do, if a rational number of radians is beyond a whole turn.
+
+    Examples
+    --------
+    >>> turn(90, "an angle", degrees=True)
+    pi/2
+    """
+    given = angle(value, what, degrees=degrees)
+    if given.is_Rational and abs(given) > 2 * sp.pi:
+        remedy = f"give degrees=True, or math.radians({given})"
+        warn(f"{what} of {given} radians is more than a whole turn; if degrees are meant, {remedy}")
+    return given
 
 
 def _typed(value: float) -> Any:

@@ -17,6 +17,7 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from rsym.errors import RsymError
 from rsym.model.choices import Choice
 from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model.rewriting import in_known_functions
 from rsym.model.symbols import as_expression, postorder, real_replacements, substitute, symbols_of
 
 Bounds: TypeAlias = tuple[tuple[float, float], ...]
@@ -46,7 +47,7 @@ class Equation:
         definitions: tuple[tuple[str, sp.Expr], ...] = (),
         parts: tuple[tuple[str, sp.Expr], ...] = (),
     ) -> None:
-        expression = as_expression(expression)
+        expression = in_known_functions(as_expression(expression))
         coordinates = tuple(coordinates) if isinstance(coordinates, Iterable) else (coordinates,)
         if len(coordinates) not in (2, 3) or not all(isinstance(symbol, sp.Symbol) for symbol in coordinates):
             raise RsymError(
@@ -62,6 +63,7 @@ class Equation:
         store(self, "letters", as_letters(letters))
         store(self, "bounds", None if bounds is None else checked_bounds(bounds, len(coordinates)))
         store(self, "definitions", definitions)
+        parts = tuple((name, in_known_functions(part)) for name, part in parts)
         store(self, "parts", tuple((name, substitute(part, real) if real else part) for name, part in parts))
         self._check_symbols()
 

@@ -114,6 +114,10 @@ def _sign(u: Any) -> int:
     return int(u > 0) - int(u < 0)
 
 
+def _floor(u: Fraction) -> Fraction:
+    return Fraction(math.floor(u))
+
+
 FUNCTIONS: dict[str, Function] = {
     "abs": Function(sp.Abs, abs, exact=abs),
     "min": Function(sp.Min, min, arity=(2, None), exact=min, sorts=True),
@@ -128,6 +132,34 @@ FUNCTIONS: dict[str, Function] = {
         sp.atan, math.atan, latex=r"\arctan", analytic=True, entire=True, grows=1, sign="odd", levels=True
     ),
     "atan2": Function(sp.atan2, math.atan2, "atan2", (2, 2), latex=r"\mathrm{atan2}"),
+    "sec": Function(sp.sec, lambda u: 1 / math.cos(u)),
+    "csc": Function(sp.csc, lambda u: 1 / math.sin(u)),
+    "sinc": Function(sp.sinc, lambda u: math.sin(u) / u if u else 1.0, latex=r"\operatorname{sinc}"),
+    "asinh": Function(
+        *(sp.asinh, math.asinh, "asinh"),
+        latex=r"\operatorname{arsinh}",
+        analytic=True,
+        entire=True,
+        grows=1,
+        sign="odd",
+    ),
+    "acosh": Function(sp.acosh, math.acosh, latex=r"\operatorname{arcosh}"),
+    "atanh": Function(sp.atanh, math.atanh, latex=r"\operatorname{artanh}"),
+    "floor": Function(sp.floor, lambda u: float(math.floor(u)), "floor", exact=_floor, latex=r"\operatorname{floor}"),
+    "ceil": Function(
+        sp.ceiling, lambda u: float(math.ceil(u)), exact=lambda u: -_floor(-u), latex=r"\operatorname{ceil}"
+    ),
+    "mod": Function(
+        *(sp.Mod, lambda u, v: u - v * math.floor(u / v)),
+        arity=(2, 2),
+        exact=lambda u, v: u - v * _floor(u / v),
+        latex=r"\operatorname{mod}",
+    ),
+    "heaviside": Function(
+        *(sp.Heaviside, lambda u: (1 + _sign(u)) / 2),
+        exact=lambda u: Fraction(1 + _sign(u), 2),
+        latex=r"\operatorname{H}",
+    ),
     "sinh": Function(sp.sinh, math.sinh, analytic=True, entire=True, grows=1, sign="odd"),
     "cosh": Function(sp.cosh, math.cosh, analytic=True, entire=True, sign="positive"),
     "tanh": Function(sp.tanh, math.tanh, analytic=True, entire=True, grows=1, sign="odd", levels=True),

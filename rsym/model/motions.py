@@ -13,9 +13,10 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, number, point, positive, unit_vector
-from rsym.model.arguments import angle as in_radians
+from rsym.model.arguments import turn as turn_of
 from rsym.model.equation import Bounds, Equation, substituted
 from rsym.model.letters import Letters
+from rsym.model.spelling import british
 from rsym.model.symbols import symbols_of
 
 Matrix: TypeAlias = sp.ImmutableDenseMatrix
@@ -44,6 +45,7 @@ class Movable(Equation):
         vector = Matrix(point(given, self.dimension, "an offset"))
         return _moved(self, sp.eye(self.dimension), sp.eye(self.dimension), vector, letters)
 
+    @british
     def rotate(
         self,
         angle: Any,
@@ -71,6 +73,11 @@ class Movable(Equation):
         RsymError
             For an axis in the plane, or one without direction.
 
+        Warns
+        -----
+        RsymWarning
+            For a rational number of radians beyond a whole turn: degrees are typed so.
+
         Examples
         --------
         >>> import rsym, sympy as sp
@@ -81,13 +88,14 @@ class Movable(Equation):
         """
         if self.dimension == 2 and axis is not None:
             raise RsymError("a turn in the plane has no axis", code="axis", remedy="rotate(angle, centre=(x, y))")
-        turn = in_radians(angle, "an angle", degrees=degrees)
+        turn = turn_of(angle, "an angle", degrees=degrees)
         if self.dimension == 2:
             matrix = Matrix([[sp.cos(turn), -sp.sin(turn)], [sp.sin(turn), sp.cos(turn)]])
         else:
             matrix = _about(axis_vector(self, self.coordinates[2] if axis is None else axis, "an axis", letters), turn)
         return _about_centre(self, matrix, matrix.T, centre, letters)
 
+    @british
     def scale(self, factor: Any, centre: Any = None, *, letters: LetterMapping = None) -> Self:
         """The shape enlarged about a centre: k omega(p/k), which keeps the normalisation.
 

@@ -13,6 +13,7 @@ from rsym.model import named_parts, showing
 from rsym.model.equation import Bounds as Bounds
 from rsym.model.equation import combine
 from rsym.model.letters import Letter
+from rsym.model.logical import NoNumber
 from rsym.model.motions import Movable
 from rsym.model.systems import R0, RSystem, in_system
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Shape(Movable):
+class Shape(NoNumber, Movable):
     """omega(x, y[, z]) > 0 inside, = 0 on the boundary, < 0 outside.
 
     Parameters
@@ -167,7 +168,8 @@ class Shape(Movable):
         """Whether points belong to the shape: omega >= 0 there, in float64.
 
         The boundary belongs to the shape, that of what was cut off too; which side of a curved boundary a point counts
-        that lies on it to rounding, rounding decides. Where omega is undefined (NaN) there is no shape.
+        that lies on it to rounding, rounding decides. Where omega is undefined (NaN) those points belong to the shape
+        that do whatever the undefined parts are (Kleene: true or unknown is true).
 
         Parameters
         ----------
@@ -195,9 +197,9 @@ class Shape(Movable):
         >>> disc.contains([0, 0.5, 1.5], [[0.0], [0.9]]).tolist()
         [[True, True, False], [True, False, False]]
         """
-        from rsym.backends.kernel import compile
+        from rsym.logic.inside import inside_kernel
 
-        inside = compile(self)(*coordinates, letters=letters)["value"] >= 0
+        inside = inside_kernel(self)(*coordinates, letters=letters)["value"] >= 0
         return inside if inside.ndim else bool(inside)
 
     def contract(self) -> Contract:

@@ -13,7 +13,7 @@ deformations.py, fits.py                           bent bodies with their stress
 shading.py, rasteriser.py, ink.py                  bodies: light and normals, triangles to pixels, lines
 paints.py, parts.py                                what a surface is painted with: a row per map; parts
 axes3d.py, bodies.py, surfaces.py, gallery.py      three-dimensional axes, bodies on them, a mesh, many of them
-cameras.py, sights.py, edges.py, brushes.py        rays: where the eye is, what is seen, where it ends, its colours
+cameras.py, framing.py, sights.py, edges.py, brushes.py  rays: the eye, the frame, what is seen, edges, colours
 castings.py                                        a shape on three-dimensional axes, without a mesh
 shadows.py, rendering.py, images.py, image_axes.py pictures of rays, straight from the equation, no mesh
 tessellation.py, patches.py, joins.py              parametric surfaces, one or several; where they meet

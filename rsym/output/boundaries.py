@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.transforms import ScaledTranslation
 
 from rsym.arrays import Floats
-from rsym.logic.leaf_names import leaf_parts
+from rsym.sampling.labels import Labeller
 from rsym.sampling.outlines import outline
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.plane_leaves import leaves_of
@@ -41,14 +41,18 @@ def part_lines(omega: PlaneSampler) -> dict[str, list[Floats]]:
     """
     leaves = leaves_of(omega.shape, omega.free, omega.fixed, omega.letters, omega.bounds)
     given = {name for name, _ in omega.shape.parts}
-    names = [next((one for one in names if one in given), "") for names in leaf_parts(leaves.form, omega.shape)]
-    found: dict[str, list[Floats]] = {name: [] for name in dict.fromkeys(names)}
+    label = Labeller(omega.shape, omega.letters)
+    found: dict[str, list[Floats]] = {}
+    order: dict[str, None] = {}
     for line in outline(omega, leaves):
         # A joint of two parts may be a corner: the middle of a piece between two vertices is of one of them.
-        active = leaves.distance((line[:-1] + line[1:]) / 2)[1]
-        for name, piece in _runs(line, [names[leaf] for leaf in active]):
-            found[name].append(piece)
-    return {name: pieces for name, pieces in found.items() if pieces}
+        middles = (line[:-1] + line[1:]) / 2
+        labels = label(leaves.placed(middles), leaves.distance(middles)[1])
+        names = ["" if {*parts} - given else name for name, parts in zip(labels.names, labels.parts, strict=True)]
+        order.update(dict.fromkeys(names))
+        for name, piece in _runs(line, [names[number] for number in labels.number]):
+            found.setdefault(name, []).append(piece)
+    return {name: found[name] for name in order if name in found}
 
 
 def _runs(line: Floats, names: list[str]) -> Iterator[tuple[str, Floats]]:

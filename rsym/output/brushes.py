@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
+from rsym.logic.faces import BETWEEN
 from rsym.model.wording import proposal
 from rsym.output.paints import MAPS, ValueColours, in_room, reflected_heights, zebra_colours
 from rsym.output.parts import PALETTE, colours_of
@@ -52,14 +53,13 @@ def checked_colouring(name: Any) -> str | None:
 
 def brush_of(
     name: str | None,
-    leaves: Sequence[str],
     sights: Sequence[Sight],
     probe: Callable[[], Probe],
     colour: str = BODY,
     limits: tuple[float, float] | None = None,
     colour_map: str | None = None,
 ) -> Brush:
-    """The brush of a colouring for pictures of a body whose leaves are so called.
+    """The brush of a colouring for pictures of a body.
 
     `sights` show its parts; a probe tells of all of the body, so that values have one colour from every side.
     """
@@ -67,7 +67,7 @@ def brush_of(
         body = linear(colour).astype(np.float32)
         return Brush(lambda own: lambda seen, numbers: np.broadcast_to(body, (len(seen.met), 3)))
     if name == "part":
-        return _of_parts(part_colours_of(leaves, sights), leaves)
+        return _of_parts(part_colours_of(sights))
     if name == "zebra":
         return Brush(partial(_zebra, probe().box))
     if name == "normal":
@@ -75,18 +75,25 @@ def brush_of(
     return _of_values(name, probe(), limits, colour_map)
 
 
-def part_colours_of(leaves: Sequence[str], sights: Sequence[Sight]) -> dict[str, str]:
+def part_colours_of(sights: Sequence[Sight]) -> dict[str, str]:
     """The parts that are seen, each with its colour, that of meshes."""
-    seen = np.concatenate([np.zeros(0, np.int64), *(np.unique(sight.leaf) for sight in sights)])
-    pairs = np.concatenate([np.zeros((0, 2), np.int64), *(neighbours(sight) for sight in sights)])
-    meeting = pairs[pairs.max(axis=1, initial=0) < len(leaves)].tolist()
-    known = np.unique(seen[seen < len(leaves)]).tolist()
-    return colours_of(leaves, known, [(leaves[first], leaves[second]) for first, second in meeting])
+    names, seen, meet = {}, set(), []
+    for sight in sights:
+        own = sight.called.names
+        names.update(dict.fromkeys(own))
+        seen.update(own[number] for number in np.unique(sight.called.number).tolist() if number >= 0)
+        meet += [(own[first], own[second]) for first, second in neighbours(sight).tolist()]
+    every = tuple(names)
+    return colours_of(every, [number for number, name in enumerate(every) if name in seen], meet)
 
 
-def _of_parts(parts: Mapping[str, str], leaves: Sequence[str]) -> Brush:
-    table = np.array([linear(parts.get(name, PALETTE[0])) for name in leaves] + [linear(CAP)], np.float32)
-    return Brush(lambda own: lambda seen, numbers: table[np.minimum(seen.leaf, len(leaves))], parts=parts)
+def _of_parts(parts: Mapping[str, str]) -> Brush:
+    def colours(seen: Sight, numbers: Any) -> NDArray[np.float32]:
+        names = seen.called.names
+        table = [linear(parts.get(name, parts.get(name.split(BETWEEN)[0], PALETTE[0]))) for name in names]
+        return np.array([*table, linear(CAP)], np.float32)[seen.called.number]
+
+    return Brush(lambda own: colours, parts=parts)
 
 
 def _of_values(

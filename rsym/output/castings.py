@@ -91,5 +91,5 @@ def shaded_shape(
             "the body has no surface in its bounds", code="no-surface", remedy="look where it lies: rsym.extent"
         )
     name = checked_colouring(colour_by)
-    brush = brush_of(name, caster.leaves, probe.sights, lambda: probe, colour, limits, colour_map)
+    brush = brush_of(name, probe.sights, lambda: probe, colour, limits, colour_map)
     return ShadedShape(caster, probe.around, brush, lines)

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.model.shape import Shape
 from rsym.reports.numbers import measured
-from rsym.sampling.contours import level_lines
+from rsym.sampling.level_lines import level_lines
 from rsym.verify.answers.report import Cover, Joint, SmoothnessReport
 from rsym.verify.revolution import meridian
 

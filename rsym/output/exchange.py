@@ -190,8 +190,5 @@ def _parts(mesh: Mesh) -> tuple[tuple[str, ...], NDArray[np.int64] | None]:
     """The names of the parts that are on the surface, and the number of each face's, where they are known."""
     if mesh.leaf is None:
         return (), None
-    of_face = [mesh.leaves[leaf] for leaf in range(len(mesh.leaves))]
-    seen = {mesh.leaves[leaf] for leaf in np.unique(mesh.leaf)}
-    names = tuple(name for name in dict.fromkeys(mesh.leaves) if name in seen)
-    number = np.array([names.index(name) if name in seen else -1 for name in of_face], np.int64)
-    return names, number[mesh.leaf]
+    seen, number = np.unique(mesh.part, return_inverse=True)
+    return tuple(mesh.parts[part] for part in seen), number.reshape(-1)

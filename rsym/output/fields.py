@@ -25,7 +25,8 @@ from rsym.output.pictures import page, require_axes, whole
 from rsym.output.sign_pictures import draw_signs
 from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
-from rsym.sampling.contours import LevelLines, trace
+from rsym.sampling.contours import LevelLines
+from rsym.sampling.level_lines import trace
 from rsym.sampling.plane import GIVEN, GivenField, PlaneSampler, checked_scalar, plane_sampler
 from rsym.sampling.progress import Progress, tell
 

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rsym.atomic import write_atomically
+from rsym.atomic import target_of, write_atomically
 from rsym.errors import RsymError
 from rsym.model.requirements import file_path, require_kind
 from rsym.model.shape import Shape
@@ -16,7 +16,7 @@ from rsym.output.design.pages import DesignPage, page_of
 from rsym.output.dxf import features_dxf
 from rsym.output.exchange import vtu_of_field
 from rsym.output.field_data import FIELDS, Field
-from rsym.output.formats import FORMATS, coloured_formats, table_of_formats
+from rsym.output.formats import FORMATS, Format, coloured_formats, table_of_formats
 from rsym.output.images import Image
 from rsym.output.layers import LAYERS, level_layers, longest_side, write_layers
 from rsym.output.units import check_unit, factor_of, sized
@@ -119,6 +119,7 @@ def write(
         _require_options("a picture", given, ())
         return mesh.save(path)
     path = file_path(path)
+    target_of(path)
     suffix = path.suffix.lower()
     if suffix in LAYERS and isinstance(mesh, Shape | GivenField):
         _require_options(f"level lines as {suffix}", given, (*lengths, "resolution", "levels"))
@@ -134,6 +135,16 @@ def write(
         _require_options("the page of a shape", given, ())
         return DesignPage(page_of(mesh, title=path.stem)).write(path)
     require_kind(Mesh, mesh, "mesh")
+    row = mesh_format(path, colour_by)
+    _require_options("a mesh", given, (*lengths, "colour_by"), "; rsym.mesh(shape, resolution) makes a finer one")
+    mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
+    encode = row.coloured if colour_by and row.coloured else row.encode
+    return write_atomically(path, encode(mesh, unit))
+
+
+def mesh_format(path: str | os.PathLike[str], colour_by: str | None = None) -> Format:
+    """The format of a mesh, of which another suffix is refused: asked before the work, not after it."""
+    path = file_path(path)
     row = FORMATS.get(path.suffix.lower())
     if colour_by not in (None, "part") or (colour_by and not (row and row.coloured)):
         raise RsymError(
@@ -149,10 +160,7 @@ def write(
             where=str(path),
             remedy=f"end the name with one of: {', '.join(FORMATS)}",
         )
-    _require_options("a mesh", given, (*lengths, "colour_by"), "; rsym.mesh(shape, resolution) makes a finer one")
-    mesh, unit = sized(mesh, unit=unit, size=size, scale=scale)
-    encode = row.coloured if colour_by and row.coloured else row.encode
-    return write_atomically(path, encode(mesh, unit))
+    return row
 
 
 def _require_options(what: str, given: Mapping[str, Any], taken: Collection[str], instead: str = "") -> None:
@@ -216,11 +224,7 @@ def write_features(
     >>> text.count("POLYLINE")
     1
     """
-    path = file_path(path)
-    if path.suffix.lower() != ".dxf":
-        raise RsymError(
-            f"features are written as .dxf, got {str(path)!r}", code="suffix", remedy="end the name with .dxf"
-        )
+    path = check_features(path)
     check_unit(unit, scale)
     features = mesh.features if isinstance(mesh, Mesh) else mesh
     if not features:
@@ -232,3 +236,13 @@ def write_features(
             remedy='take a mesh of method="sharp", or a report with curves',
         )
     return write_atomically(path, features_dxf(features, unit, scale))
+
+
+def check_features(path: str | os.PathLike[str]) -> Path:
+    """The path of curves, if it ends in ``.dxf``: asked before the work, not after it."""
+    path = file_path(path)
+    if path.suffix.lower() != ".dxf":
+        raise RsymError(
+            f"features are written as .dxf, got {str(path)!r}", code="suffix", remedy="end the name with .dxf"
+        )
+    return path

@@ -76,7 +76,7 @@ def glb_of_parts(mesh: Mesh, unit: str | None) -> bytes:
     require_float32(mesh, "GLB")
     colours = part_colours(mesh)
     assert mesh.leaf is not None
-    name_of = np.array(mesh.leaves)[mesh.leaf]
+    name_of = mesh.labels.each
     bodies = {}
     for name, colour in colours.items():
         faces = name_of == name

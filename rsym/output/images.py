@@ -117,8 +117,10 @@ class Image:
     @cached_property
     def part(self) -> Shorts:
         """The number of the part among `parts`; -1 where there is none, and on a section."""
-        numbers = {name: number for number, name in enumerate(self.parts)}
-        return np.array([*(numbers.get(name, -1) for name in self.leaves), -1], np.int16)[self.leaf]
+        numbers, labels = {name: number for number, name in enumerate(self.parts)}, self.hits.labels
+        found = np.full(self.leaf.shape, -1, np.int16)
+        found[self.hits.met] = np.array([*(numbers.get(name, -1) for name in labels.names), -1])[labels.number]
+        return found
 
     @property
     def status(self) -> str:

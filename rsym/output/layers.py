@@ -20,7 +20,7 @@ from rsym.model.shape import Shape
 from rsym.output.dxf import layer_name, layers_dxf
 from rsym.output.looks import Look
 from rsym.output.units import UNITS
-from rsym.sampling.contours import level_lines
+from rsym.sampling.level_lines import level_lines
 from rsym.sampling.outlines import outline_within
 from rsym.sampling.plane import GIVEN, GivenField, plane_sampler
 from rsym.sampling.plane_leaves import leaves_of

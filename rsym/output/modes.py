@@ -15,7 +15,7 @@ from rsym.output.looks import TWO_SIDED, Look
 from rsym.output.panels import columns_of, draw_levels, dress
 from rsym.output.pictures import checked_titles, page, whole
 from rsym.problems.spectra import Spectrum
-from rsym.sampling.contours import trace
+from rsym.sampling.level_lines import trace
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Progress, tell
 

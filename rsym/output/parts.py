@@ -38,7 +38,7 @@ def part_colours(mesh: Mesh) -> dict[str, str]:
     """
     if mesh.leaf is None:
         raise RsymError("this mesh does not know its parts", code="parts", remedy='mesh the shape with method="sharp"')
-    return colours_of(mesh.leaves, np.unique(mesh.leaf).tolist(), [feature.names for feature in mesh.features])
+    return colours_of(mesh.parts, np.unique(mesh.part).tolist(), [feature.names for feature in mesh.features])
 
 
 def colours_of(leaves: Sequence[str], seen: Iterable[int], meet: Iterable[tuple[str, str]]) -> dict[str, str]:
@@ -67,6 +67,5 @@ def colours_of(leaves: Sequence[str], seen: Iterable[int], meet: Iterable[tuple[
 def face_colours(mesh: Mesh) -> NDArray[np.float64]:
     """The linear colour of each face by its part, (m, 3)."""
     colours = part_colours(mesh)
-    assert mesh.leaf is not None
-    table = np.array([linear(colours.get(name, PALETTE[0])) for name in mesh.leaves])
-    return table[mesh.leaf]
+    table = np.array([linear(colours.get(name, PALETTE[0])) for name in mesh.parts])
+    return table[mesh.part]

@@ -22,12 +22,13 @@ from rsym.model.wording import documented
 from rsym.output.brushes import Brush, Colouring, brush_of, checked_colouring, hatched, part_colours_of
 from rsym.output.cameras import VIEWS, Camera, Viewport, camera_of
 from rsym.output.edges import Single, edges_of, inked, smoothed
+from rsym.output.framing import framed
 from rsym.output.images import Image
 from rsym.output.ink import INK
 from rsym.output.paints import NAMES_OF_MAPS
 from rsym.output.shading import HOLLOW_RADIUS, Light, hollows_at, levels, linear, lit
 from rsym.output.shadows import shade_of
-from rsym.output.sights import UNDECIDED, Probe, Sight, corners_of
+from rsym.output.sights import UNDECIDED, Probe, Sight
 from rsym.sampling.pencils import Cut
 from rsym.sampling.plane import fixed_coordinates
 from rsym.sampling.rays import Caster
@@ -36,7 +37,6 @@ SIGNAL = "#ff00c8"  # of rays that came to a limit: nothing else is of that colo
 LINE = 1.5e-3  # the width of lines, of the mean side of a picture; at least
 THINNEST = 0.75  # pixels
 FINER = 8  # than pixels: how closely rays look that say where in a pixel an edge is
-COARSE, FEWEST = 10, 48  # a picture so much smaller finds where the body is; pixels of its shorter side
 MOST_PIXELS = 1 << 26  # of a picture: 5 GB of memory
 MOST_SAMPLES = 64
 THUMBNAIL, MOST_NODES = (240, 180), 400  # pixels; parts of a formula, of which a caster is made in half a second
@@ -127,7 +127,7 @@ def render(
     sight = scene.seen()
     if not len(sight.met):
         warn("nothing of the body is seen; remedy: other bounds, another camera or section")
-    brush = brush_of(colouring, caster.leaves, [sight], lambda: Probe.of(caster))
+    brush = brush_of(colouring, [sight], lambda: Probe.of(caster))
     width = max(LINE * float(np.sqrt(size[0] * size[1])), THINNEST) if lines else 0.0
     canvas = scene.painted(sight, brush, width, shadows=shadows, samples=samples)
     names = (*caster.leaves, *(f"section {name} = {value:g}" for name, value in (section or {}).items()))
@@ -140,7 +140,7 @@ def render(
         coordinates=tuple(symbol.name for symbol in shape.coordinates),
         scale=brush.scale,
         scale_label=brush.label,
-        parts_seen=lambda: brush.parts or part_colours_of(caster.leaves, [sight]),
+        parts_seen=lambda: brush.parts or part_colours_of([sight]),
         legend=colouring == "part",
     )
 
@@ -197,21 +197,6 @@ def cuts_of(section: Any, shape: Shape, bounds: Bounds, camera: Camera) -> tuple
         normal[number] = sign
         cuts.append(Cut((normal[0], normal[1], normal[2]), sign * place))
     return tuple(cuts)
-
-
-def framed(caster: Caster, camera: Camera, size: tuple[int, int]) -> Viewport:
-    """The view of a camera that the body fills, as a coarse picture finds it; without a body the bounds."""
-    corners = corners_of(caster.bounds)
-    factor = max(min(COARSE, min(size) / FEWEST), 1.0)
-    coarse = camera.frame(corners, (-(-size[0] // int(factor)), -(-size[1] // int(factor))))
-    found = Sight.of_pixels(coarse, caster.look(coarse.pencil))
-    if not len(found.met):
-        return camera.frame(corners, size)
-    points = found.points_at(slice(None))
-    # The body may go on for a pixel of the coarse picture.
-    room = coarse.pixel_at(found.depth)[:, None]
-    around = [points + sign * room * axis for axis in coarse.axes[:2] for sign in (-1, 1)]
-    return camera.frame(np.concatenate(around), size, corners)
 
 
 @lru_cache(maxsize=64)  # a notebook shows the same shape again and again

@@ -152,8 +152,10 @@ def _mixing(count: int, factor: int, kind: Any) -> tuple[Ints, Light]:
 
 
 def _span(depth: Light) -> float:
-    there = np.isfinite(depth)
-    return max(float(np.ptp(depth[there])), float(np.finfo(float).tiny)) if there.any() else 1.0
+    there = depth[np.isfinite(depth)]
+    span = float(np.ptp(there)) if there.size else 1.0
+    rounding = 16 * float(np.finfo(depth.dtype).eps) * float(np.abs(there).max(initial=0.0))
+    return span if span > rounding else np.inf  # a plane square to the eye has no hollows
 
 
 def _darkened(behind: Light) -> Light:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats, Integers, Ints, Shorts
 from rsym.output.cameras import VIEWS, Camera, Viewport
 from rsym.sampling.hits import Hits
+from rsym.sampling.labels import Labels
 from rsym.sampling.rays import Caster
 
 NOTHING, UNDECIDED = -1, -2  # in the place of the number of a leaf
@@ -93,6 +94,11 @@ class Sight:
         return np.asarray(self.labels[self.met])
 
     @cached_property
+    def called(self) -> Labels:
+        """Which parts are met."""
+        return self.hits.called(self.points_at(slice(None)), self.leaf)
+
+    @cached_property
     def depth(self) -> Floats:
         """How far rays go that meet the body."""
         return np.asarray(self.hits.depth.reshape(-1)[self.met])
@@ -164,8 +170,10 @@ def corners_of(bounds: tuple[tuple[float, float], ...]) -> Floats:
 
 
 def neighbours(sight: Sight) -> NDArray[np.int64]:
-    """Which leaves are seen side by side in a picture, pairs (n, 2)."""
-    label = sight.labels.reshape(sight.view.size[::-1])
+    """Which parts are seen side by side in a picture, pairs (n, 2) of numbers of names."""
+    label = np.full(len(sight.labels), -1)
+    label[sight.met] = sight.called.number
+    label = label.reshape(sight.view.size[::-1])
     pairs = []
     for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
         beside = (label[one] != label[other]) & (np.minimum(label[one], label[other]) >= 0)

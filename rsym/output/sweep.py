@@ -24,7 +24,7 @@ from rsym.output.pictures import checked_titles, page, whole
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.blanks import missing_boundary
-from rsym.sampling.contours import trace
+from rsym.sampling.level_lines import trace
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler

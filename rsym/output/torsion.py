@@ -16,7 +16,7 @@ from rsym.output.looks import Look, levels_of_sizes
 from rsym.output.panels import colour_bar, draw_levels, dress, thin_out
 from rsym.output.pictures import require_axes
 from rsym.problems.torsion import Torsion
-from rsym.sampling.contours import trace
+from rsym.sampling.level_lines import trace
 from rsym.sampling.plane import plane_sampler
 
 LINES = 14  # stress lines between the outer boundary and the summit

@@ -74,6 +74,8 @@ def view(
             code="dimension",
             remedy="use revolve(shape) or extrude(shape, lower, upper) first, or plot_field(shape)",
         )
+    if path is not None:
+        check_page(path)
     if isinstance(what, Shape):
         what = mesh_of(what, resolution, bounds=bounds, letters=letters)
     elif not isinstance(what, Mesh):
@@ -84,11 +86,7 @@ def view(
         )
     if not len(what.faces):
         raise RsymError("a mesh needs at least one triangle, got none", code="empty-mesh")
-    page = _temporary() if path is None else file_path(path)
-    if page.suffix.lower() != ".html":
-        raise RsymError(
-            f"a page is written as .html, got {str(page)!r}", code="suffix", remedy="end the name with .html"
-        )
+    page = _temporary() if path is None else check_page(path)
     try:
         write(what, page, colour_by=colour_by)
     except BaseException:
@@ -97,6 +95,16 @@ def view(
         raise
     if browser and not webbrowser.open(page.resolve().as_uri()):
         warn(f"no browser could be opened; the page is {page}")
+    return page
+
+
+def check_page(path: str | os.PathLike[str]) -> Path:
+    """The path of a page, if it ends in ``.html``: asked before the work, not after it."""
+    page = file_path(path)
+    if page.suffix.lower() != ".html":
+        raise RsymError(
+            f"a page is written as .html, got {str(page)!r}", code="suffix", remedy="end the name with .html"
+        )
     return page
 
 

@@ -17,10 +17,7 @@ readings.py, page.py         how doubtful places are read; the page of a reprodu
 reproduction.py              every figure to a file, on two processes
 """
 
-from lazy_loader import attach_stub
-
-from rsym.garbage import uncollected
+from rsym.facade import attach
 
 # A model is read in a tenth of the time that the figures take to import.
-_load, __dir__, __all__ = attach_stub(__name__, __file__)
-__getattr__ = uncollected()(_load)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -15,8 +15,8 @@ from rsym.backends.kernel import compile
 from rsym.model.shape import Shape
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import car, skeleton_body
-from rsym.sampling.contours import level_lines
 from rsym.sampling.distances import distance_to_lines, distance_to_mesh
+from rsym.sampling.level_lines import level_lines
 
 FIELDS = ("value", "gradient_squared", "normalised", "normalised_gradient_squared")
 NAMES = (("ω", "value"), ("ωₙ", "normalised"))

@@ -197,8 +197,8 @@ def draw_parts() -> Drawing:
     figure = figure_of(plot_mesh(body, azimuth=48.0, colour_by="part"))
     a, b, c = body.vertices[body.faces].transpose(1, 0, 2)
     triangles = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-    names = np.array(body.leaves)[body.leaf]
-    areas = {name: float(triangles[names == name].sum()) for name in dict.fromkeys(body.leaves) if name in names}
+    names = body.labels.each
+    areas = {name: float(triangles[names == name].sum()) for name in body.parts if name in names}
     rows = tuple((name, f"{area:.1f}") for name, area in sorted(areas.items(), key=lambda item: -item[1]))
     remark = (
         "Each triangle knows the formula that it comes from, and edges are where two formulas meet. The windows "

@@ -12,8 +12,8 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.recent import placed, recently
 from rsym.model.shape import Shape
-from rsym.sampling.contours import level_lines
 from rsym.sampling.extent import extent
+from rsym.sampling.level_lines import level_lines
 from rsym.sampling.plane_leaves import PlaneLeaves, leaves_of
 
 RESOLUTION = 256

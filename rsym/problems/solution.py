@@ -34,7 +34,7 @@ from rsym.problems.systems.borders import BesideAt
 from rsym.problems.systems.linear import SINGULAR, nearly_singular, solve_system
 from rsym.reports.numbers import short
 from rsym.reports.words import plural
-from rsym.sampling.contours import level_lines
+from rsym.sampling.level_lines import level_lines
 from rsym.sampling.rules.quadrature import Quadrature
 from rsym.sampling.stills import line_picture
 

@@ -35,6 +35,10 @@ class Builder:
         self.derivatives: dict[tuple[int, str], int] = {}
         self.scaled: dict[int, tuple[int, int]] = {}
         self.switches: dict[int, int] = {}
+        self.steps: set[int] = set()  # choices by conditions that somebody wrote: they may jump
+        self.walls: dict[int, dict[int, int | None]] = {}  # ends of domains, and limits there (`logic.domains`)
+        self.faces: set[int] = set()  # of these what bounds otherwise too
+        self.rewritten = False  # whether a sign form has other leaves than its node
         self._index: dict[Node, int] = {}
 
     def make(self, operation: str, *arguments: int, data: Data = None) -> int:
@@ -251,6 +255,12 @@ class Builder:
         if p is not None and q is not None:
             return yes if p > q else no
         return yes if yes == no else self.make("select", a, b, yes, no)
+
+    def step(self, a: int, b: int, yes: int, no: int) -> int:
+        """Return the choice of a condition that somebody wrote, which may jump."""
+        chosen = self.select(a, b, yes, no)
+        self.steps.add(chosen)
+        return chosen
 
     def normalised(self, f: int, q: int) -> int:
         """Return f/sqrt(f**2 + q) for q >= 0."""

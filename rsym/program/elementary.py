@@ -277,6 +277,52 @@ def _softplus_expansion(b: Nodes, node: Node) -> int:
     return b.make("add", b.make("max", u, b.const(0)), log1p(b, small))
 
 
+def _asinh_expansion(b: Nodes, node: Node) -> int:
+    """sign(u) log(1 + |u| + u**2/(1 + sqrt(1 + u**2))): no digit is lost near 0, none below it."""
+    (u,) = node.arguments
+    size = b.abs(u)
+    square = b.make("mul", u, u)
+    root = b.sqrt(b.make("add", b.const(1), square))
+    near = log1p(b, b.make("add", size, b.make("div", square, b.make("add", b.const(1), root))))
+    # The square of what is large overflows.
+    far = b.make("add", b.make("log", size), b.make("log", b.const(2)))
+    value = b.select(size, b.const(2**28), far, near)
+    return b.select(b.const(0), u, b.neg(value), value)
+
+
+def _floor(b: Nodes, number: int, node: Node, d: Given) -> int:
+    """0, and nothing at a step."""
+    return b.select(node.arguments[0], number, b.const(0), b.undefined())
+
+
+def _jump_of_floor(b: Nodes, number: int, node: Node, jumps: Given) -> int:
+    """Further than j from every integer there is none, else at most 1 + j."""
+    above = b.sub(node.arguments[0], number)
+    gap = b.make("min", above, b.sub(b.const(1), above))
+    return b.select(gap, jumps[0], b.const(0), b.add(b.const(1), jumps[0]))
+
+
+STEPS: dict[str, Operation] = {
+    "floor": Operation(
+        1,
+        lambda np, u: np.floor(u),
+        derivative=_floor,
+        jump=_jump_of_floor,
+        formula=sp.floor,
+        texts=call(
+            "floor",
+            llvm="call {type} @llvm.floor.{suffix}({type} {0})",
+            fortran="anint({0} - 0.5d0)",
+        ),
+        grows=(UP,),
+        at=lambda u: u.floor(),
+        rounding="none",
+        strict=True,
+        zeros=("0",),
+    ),
+}
+
+
 SMOOTH_STEPS: dict[str, Operation] = {
     "erf": Operation(
         1,
@@ -287,6 +333,21 @@ SMOOTH_STEPS: dict[str, Operation] = {
         formula=sp.erf,
         grows=(UP,),
         at=lambda u: u.erf(),
+        rounding="elementary",
+        analytic=(),
+        strict=True,
+        parity="odd",
+        zeros=("0",),
+    ),
+    "asinh": Operation(
+        1,
+        lambda np, u: np.arcsinh(u),
+        _asinh_expansion,
+        lambda b, number, node, d: b.div(d[0], b.sqrt(b.add(b.const(1), b.square(node.arguments[0])))),
+        lipschitz(1),
+        formula=sp.asinh,
+        grows=(UP,),
+        at=lambda u: u.asinh(),
         rounding="elementary",
         analytic=(),
         strict=True,

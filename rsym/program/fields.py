@@ -17,7 +17,7 @@ from rsym.program.builder import Builder
 from rsym.program.calculus import FORMS, HIGHEST, ONE_SIDED, SCALARS, Calculus, OneSided, order_of, parsed
 from rsym.program.elementary import bearing
 from rsym.program.lowering import lower
-from rsym.program.operations import JUMPING, OPERATIONS
+from rsym.program.operations import OPERATIONS, TORN
 from rsym.program.program import FLOAT64, Node, Program, live
 from rsym.program.row import unbounded
 
@@ -238,7 +238,7 @@ class Jumps:
             if part not in self._known:
                 node = b.nodes[part]
                 inner = [self._known[argument] for argument in node.arguments]
-                smooth = node.operation not in JUMPING and all(jump == zero for jump in inner)
+                smooth = node.operation not in TORN and all(jump == zero for jump in inner)
                 self._known[part] = zero if smooth or b.uniform[part] else self._companion(part, node, inner)
         return self._known[number]
 
@@ -268,8 +268,9 @@ class Jumps:
         total = b.const(0)
         for part in live(b.nodes, [number]):
             operation, arguments, _ = b.nodes[part]
-            if operation in JUMPING and self[part] != b.const(0):
+            if operation in TORN and self[part] != b.const(0):
                 apart = b.sub(*arguments[:2]) if operation == "select" else arguments[0]
+                apart = b.sub(apart, part) if operation == "floor" else apart
                 total = b.add(total, b.select(b.abs(apart), b.const(0), b.const(0), b.const(1)))
         return total
 

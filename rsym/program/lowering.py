@@ -24,6 +24,7 @@ from rsym.model import powers, rnodes
 from rsym.model.choices import Choice
 from rsym.model.functions import FUNCTIONS
 from rsym.model.nodes import Ahead, Composition, Fold, Held, RealNode, Trimming, ZeroWith, written_out
+from rsym.model.rewriting import REWRITTEN, in_known_functions
 from rsym.model.symbols import postorder
 from rsym.program.builder import HALF, Builder
 from rsym.program.operations import OPERATIONS
@@ -46,8 +47,8 @@ def lower(builder: Builder, expression: sp.Expr) -> int:
 def lower_all(builder: Builder, expressions: Sequence[sp.Expr]) -> list[int]:
     """The nodes that compute the expressions; what they share is walked once."""
     parts = postorder(*expressions)
-    if any(isinstance(part, Composition) for part in parts):
-        return lower_all(builder, [written_out(expression) for expression in expressions])
+    if any(isinstance(part, Composition) or type(part) in REWRITTEN for part in parts):
+        return lower_all(builder, [in_known_functions(written_out(expression)) for expression in expressions])
     done: dict[int, int] = {}
     inside: Names = {}
     for part in parts:
@@ -249,15 +250,15 @@ def _choose(b: Builder, condition: sp.Basic, yes: int, no: int, done: dict[int, 
         raise RsymError(f"a condition must be made of < <= > >=, and, or, not; got {condition}", code="condition")
     large, small = done[id(condition.gts)], done[id(condition.lts)]
     if strict:
-        return b.select(large, small, yes, _unless_nan(b, large, small, no))
-    return b.select(small, large, no, _unless_nan(b, large, small, yes))
+        return b.step(large, small, yes, _unless_nan(b, large, small, no))
+    return b.step(small, large, no, _unless_nan(b, large, small, yes))
 
 
 def _unless_nan(b: Builder, u: int, v: int, value: int) -> int:
     """The value where u - v is a number: |u - v| > -1 is false for NaN alone."""
     gap = b.abs(b.sub(u, v))
     known = b.value(gap) is not None
-    return value if known else b.select(gap, b.const(-1), value, b.undefined())
+    return value if known else b.step(gap, b.const(-1), value, b.undefined())
 
 
 def two_linear_factors(b: Builder, part: sp.Mul, arguments: Sequence[int], numerator: Sequence[int]) -> list[int]:

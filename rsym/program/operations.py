@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 from rsym.errors import RsymError
 from rsym.program.arithmetic import ARITHMETIC
-from rsym.program.elementary import ELEMENTARY, SMOOTH_STEPS
+from rsym.program.elementary import ELEMENTARY, SMOOTH_STEPS, STEPS
 from rsym.program.joining import JOINING
 from rsym.program.powers import SIGNED_POWERS
 from rsym.program.r0 import R0
@@ -38,7 +38,7 @@ class Rows(dict[str, Operation]):
 
 
 OPERATIONS = Rows(
-    {**ARITHMETIC, **ELEMENTARY, **R0, **R_ALPHA, **R0M, **RP, **JOINING, **SIGNED_POWERS, **SMOOTH_STEPS},
+    {**ARITHMETIC, **ELEMENTARY, **R0, **R_ALPHA, **R0M, **RP, **JOINING, **SIGNED_POWERS, **SMOOTH_STEPS, **STEPS},
 )
 
 
@@ -131,6 +131,7 @@ PRIMITIVES = those(lambda row: row.expansion is None)
 NONNEGATIVE = those(lambda row: row.nonnegative)
 BRANCHING = those(lambda row: row.branching)
 JUMPING = those(lambda row: row.jumping)
+TORN = those(lambda row: row.torn)
 CHOOSING = BRANCHING - {"sign"}  # equal to one of their arguments or to its opposite
 ENTIRE = those(lambda row: row.analytic == ())
 SMOOTH = those(lambda row: row.smooth)

@@ -247,7 +247,12 @@ class Operation:
     @property
     def smooth(self) -> bool:
         """Whether its one-sided slopes lie in the images of its derivative, as the mean-value theorem asks."""
-        return not self.jumping and self.domain != NOWHERE
+        return not self.torn and self.domain != NOWHERE
+
+    @property
+    def torn(self) -> bool:
+        """Whether its values jump, at zeros of its switch or, analytic nowhere, at places of its own."""
+        return self.jumping or (self.total and self.analytic is None)
 
     @property
     def kinked(self) -> bool:

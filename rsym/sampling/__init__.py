@@ -4,7 +4,7 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
 
 - `extent`, `form_signs`: a box that provably holds the boundary; `lattice`: one global lattice over it
 - `memory`, `progress`: what is refused before it is taken; reports, cancels, time limits; `compiled`: loops
-- in the plane: `plane`, `plane_regions`, `isolines`, `contours` (level lines), `plane_leaves`, `roots`, `outlines`,
+- in the plane: `plane`, `plane_regions`, `isolines`, `contours` and `level_lines`, `plane_leaves`, `roots`, `outlines`,
   `boundaries`, `combs`, `sections`; `blanks`: where a picture of nothing would show something
 - `fillings`: the inside in triangles, or in space in tetrahedra, up to the boundary
 - in space: `meshing` (`rsym.mesh`), `mesher` with `sharp/`, `kernels/` and, for large shapes, `regions/`, or
@@ -13,8 +13,8 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
   triangles as bytes
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full
 - `rules/`: rules of integration inside and on the boundary (`rsym.quadrature`)
-- on meshes: `curvatures`, `leaf_fields`, `distances`; `samples`: points on a boundary or inside; `offsets`: whether
-  a shell is as thick as was asked for
+- `labels`: which parts points of the boundary belong to; `samples`: points on it or inside; on meshes: `curvatures`,
+  `leaf_fields`, `distances`; `offsets`: whether a shell is as thick as was asked for
 - letters from data: `boundary_distances` of points, or of the lines of sight of `silhouettes`; `fitting` (`rsym.fit`)
   and its `fit_report`; `sensitivity`: how fast the boundary moves with a letter
 - `pencils`, `hits`, `rays`: rays of a picture cast at the equation, and what they meet; `ray_march`: without a

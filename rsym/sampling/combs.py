@@ -12,7 +12,8 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel, compile
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.sampling.contours import move_onto_level, trace
+from rsym.sampling.contours import move_onto_level
+from rsym.sampling.level_lines import trace
 from rsym.sampling.plane import PlaneSampler, plane_sampler, plane_section
 
 FEWEST_TEETH = 12  # on a line, however short

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from html import escape
 from typing import Any, TypeAlias, overload
@@ -12,13 +12,11 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
-from rsym.model.letters import real_number
-from rsym.model.requirements import optional_package, require_shape
-from rsym.model.shape import Bounds, Shape
+from rsym.model.requirements import optional_package
+from rsym.model.shape import Bounds
 from rsym.reports.document import Document, Sentence, numerical
 from rsym.reports.render import Report
-from rsym.sampling.isolines import index_lines
-from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler
+from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.stills import line_picture
 
 NEWTON_STEPS = 12
@@ -171,139 +169,14 @@ def _signed_area(line: Floats) -> float:
     return float(u[:-1] @ v[1:] - u[1:] @ v[:-1]) / 2
 
 
-def _turned_like(moved: _Moved, before: Floats) -> _Moved:
+def turned_like(moved: _Moved, before: Floats) -> _Moved:
     """A line that was moved; a closed one smaller than a cell may have been turned over, and is turned back."""
     line, good = moved
     closed = (before[0] == before[-1]).all()
     return (line[::-1], good[::-1]) if closed and _signed_area(line) * _signed_area(before) < 0 else moved
 
 
-@overload
-def level_lines(
-    shape: Shape | GivenField,
-    level: float = 0.0,
-    *,
-    field: str = "value",
-    resolution: int | Sequence[int] = 512,
-    bounds: Any = None,
-    letters: Mapping[Any, float] | None = None,
-    section: Mapping[Any, float] | None = None,
-    force: bool = False,
-) -> LevelLines: ...
-@overload
-def level_lines(
-    shape: Shape | GivenField,
-    level: Sequence[float] | Floats,
-    *,
-    field: str = "value",
-    resolution: int | Sequence[int] = 512,
-    bounds: Any = None,
-    letters: Mapping[Any, float] | None = None,
-    section: Mapping[Any, float] | None = None,
-    force: bool = False,
-) -> tuple[LevelLines, ...]: ...
-def level_lines(
-    shape: Shape | GivenField,
-    level: float | Sequence[float] | Floats = 0.0,
-    *,
-    field: str = "value",
-    resolution: int | Sequence[int] = 512,
-    bounds: Any = None,
-    letters: Mapping[Any, float] | None = None,
-    section: Mapping[Any, float] | None = None,
-    force: bool = False,
-) -> LevelLines | tuple[LevelLines, ...]:
-    """The curves field = level, every vertex moved onto the level by Newton steps.
-
-    Parameters
-    ----------
-    shape : Shape, Solution or Torsion
-        A shape in the plane, or one in space with ``section={z: 1.0}``; or what `solve` found, lines end with it.
-    level : float or sequence of float
-        The level, or several: the field is compiled and sampled once for all of them.
-    field : str
-        A scalar field of `compile`.
-    resolution : int or two ints
-        Square cells along the longer side, or cells along each axis.
-    bounds, letters
-        Override those of the shape; lines end at them. Without any bounds those of `extent` are taken, and an eighth
-        around them.
-    force : bool
-        Whether to go on where the estimate says that there is not memory enough.
-
-    Returns
-    -------
-    LevelLines, or a tuple of them
-        For each level, in the order given, a sequence of (n, 2) arrays with the region where the field exceeds the
-        level to their left; ``.length``, ``.area`` and ``.to_shapely()`` measure it, ``.status`` counts the vertices
-        that could not be moved.
-
-    Raises
-    ------
-    RsymError
-        For a shape in space without a section, a zero set without end and no bounds, an unknown field.
-
-    Examples
-    --------
-    >>> import numpy as np, rsym
-    >>> from rsym import x, y
-    >>> disc = rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-1.5, 1.5), (-1.5, 1.5)))
-    >>> (circle,) = rsym.level_lines(disc, resolution=32)
-    >>> bool(abs(np.hypot(*circle.T) - 1).max() < 1e-12)
-    True
-    >>> [round(float(np.hypot(*lines[0].T).max()), 3) for lines in rsym.level_lines(disc, [0.75, 0.19], resolution=32)]
-    [0.5, 0.9]
-    """
-    require_shape(shape.shape if isinstance(shape, GivenField) else shape)
-    asked: Any = level if isinstance(level, Sequence | np.ndarray) and not isinstance(level, str) else [level]
-    wanted = [float(real_number(one, "the level")) for one in asked]
-    if not wanted:
-        raise RsymError("no level is given", code="levels", remedy="level=0, or level=[-1, 0, 1]")
-    sampler = plane_sampler(
-        shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section, force=force
-    )
-    values = sampler.values()
-    if isinstance(shape, GivenField):
-        inside = plane_sampler(shape.shape, "value", resolution=resolution, bounds=bounds, section=section, force=force)
-        values = np.where(inside.values() >= 0, values, np.nan)
-    found = tuple(trace(sampler, one, field, values=values, bounds=sampler.bounds) for one in wanted)
-    return found if asked is level else found[0]
-
-
-def trace(
-    sampler: PlaneSampler,
-    level: float,
-    field: str = "value",
-    *,
-    values: Floats | None = None,
-    bounds: Bounds | None = None,
-) -> LevelLines:
-    """The level lines of a prepared field over its lattice, or within bounds; `values` are its samples, if known."""
-    values = sampler.values() if values is None else values
-    undefined = int(np.count_nonzero(np.isnan(values)))
-    if undefined == values.size:
-        raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
-    found = [line[::-1] for line in index_lines(values, level)]
-    every = sampler.lattice.points(np.concatenate([*found, np.empty((0, 2))]))
-    points, good = move_onto_level(sampler, every, level)  # all at once: each vertex goes by itself
-    parts = np.cumsum([len(line) for line in found])[:-1]
-    pieces = zip(np.split(points, parts), np.split(good, parts), found, strict=True) if found else ()
-    moved = [_turned_like((place, arrived), line) for place, arrived, line in pieces]
-    if bounds is not None:
-        moved = _within(sampler, moved, level, bounds)
-    lines = tuple(line for line, _ in moved)
-    closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
-    status = LevelLinesStatus(
-        vertices=sum(map(len, lines)),
-        kept=sum(int((~good).sum()) for _, good in moved),
-        undefined_samples=undefined,
-        closed=closed,
-        open=len(lines) - closed,
-    )
-    return LevelLines(lines, level, field, status)
-
-
-def _within(sampler: PlaneSampler, moved: Sequence[_Moved], level: float, bounds: Bounds) -> list[_Moved]:
+def within(sampler: PlaneSampler, moved: Sequence[_Moved], level: float, bounds: Bounds) -> list[_Moved]:
     """Lines cut off at the bounds; their new ends slide along the border onto the level."""
     lines, ends = cropped([np.column_stack(one) for one in moved], bounds)
     if ends:

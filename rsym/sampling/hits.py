@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Shorts
+from rsym.sampling.labels import Labels
 
 Rays: TypeAlias = Callable[[], tuple[Floats, Floats]]
 
@@ -53,6 +54,7 @@ class Hits:
     undecided: Flags
     rays_of: Rays = field(repr=False)
     fields_at: Callable[[tuple[str, ...], Shorts, Floats], Mapping[str, Floats]] = field(repr=False)
+    called: Callable[[Floats, Shorts], Labels] = field(repr=False)
 
     @cached_property
     def rays(self) -> tuple[Floats, Floats]:
@@ -70,6 +72,11 @@ class Hits:
         origins, directions = self.rays
         depth = np.where(self.met, self.depth, np.nan)
         return np.asarray(origins + depth[..., None] * directions)
+
+    @cached_property
+    def labels(self) -> Labels:
+        """Which parts the points that are met belong to, in one row."""
+        return self.called(self.points[self.met], self.leaf[self.met])
 
     def fields(self, *names: str) -> dict[str, Floats]:
         """Fields of the leaf that is met, as those of `compile`; NaN where none is.

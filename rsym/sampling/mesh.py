@@ -16,6 +16,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Integers
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds
+from rsym.sampling.labels import Labels, labels_of
 from rsym.sampling.lattice import BoundsSide
 from rsym.sampling.manifolds import EnclosedSolid, area_of, checked, enclosed, measure, point
 from rsym.sampling.progress import Progress
@@ -61,10 +62,12 @@ class Mesh:
     leaf : (m,) int, optional
         The leaf of the sign form that each face lies on: an index into `leaves`.
     leaves : tuple of str
-        The names of the leaves.
+        The names of the leaves, ``A / B`` of one that two parts share.
     curvatures : callable, optional
         For a surface without an equation: ``mean_curvature``, ``gaussian_curvature``, ``principal_curvatures`` to the
         values at the corners of faces, (m, 3) or (m, 3, 2). A mesh that is pickled does without.
+    called : Labels, or a function of points (k, 3) and leaves (k,) that gives them
+        What the faces are called; without it, like their leaves.
 
     Examples
     --------
@@ -83,6 +86,7 @@ class Mesh:
     leaf: Integers | None = None
     leaves: tuple[str, ...] = ()
     curvatures: Callable[[str], Floats] | None = None
+    called: Labels | Callable[[Floats, Integers], Labels] | None = field(default=None, repr=False)
 
     @cached_property
     def normals(self) -> Floats:
@@ -105,11 +109,34 @@ class Mesh:
         return normals
 
     @cached_property
+    def labels(self) -> Labels:
+        """Which parts faces belong to, as a point inside of each tells; -1 where leaves are not known."""
+        if self.leaf is None:
+            return labels_of(np.full(len(self.faces), -1), ())
+        if callable(self.called):
+            return self.called(self.vertices[self.faces].mean(axis=1), self.leaf)
+        return labels_of(self.leaf, self.leaves) if self.called is None else self.called
+
+    @property
+    def part(self) -> Integers:
+        """The part of each face, (m,): an index into `parts`; -1 where leaves are not known.
+
+        A leaf may stand in several parts, as the plane of the lids of boxes of one height does; each face belongs to
+        that which bounds the body there, to ``A / B`` where two do.
+        """
+        return self.labels.number
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """The names of the parts, in the order of the leaves, whether any face has them or not."""
+        return self.labels.names
+
+    @cached_property
     def features(self) -> tuple[Feature, ...]:
         """The curves along which the leaves meet, the edges of the body among them; none where leaves are not known."""
         if self.leaf is None:
             return ()
-        return features_of(self.vertices, self.faces, self.leaf, self.leaves, self.normals_of)
+        return features_of(self.vertices, self.faces, self.leaf, self.part, self.parts, self.normals_of)
 
     @cached_property
     def findings(self) -> Findings:
@@ -271,6 +298,7 @@ class Mesh:
             self.leaf,
             self.leaves,
             _bent(self.curvatures, matrix, turned),
+            lambda points, leaf: self.labels,
         )
 
     def _outward(self, rule: Outward, which: Integers, points: Floats) -> Floats:
@@ -290,7 +318,7 @@ class Mesh:
 
     def __reduce__(self) -> tuple[type[Mesh], tuple[Any, ...]]:
         """Pickle the normals themselves: the function they come from holds compiled code."""
-        return Mesh, (self.vertices, self.faces, self.normals, self.findings, self.leaf, self.leaves)
+        return Mesh, (self.vertices, self.faces, self.normals, self.findings, self.leaf, self.leaves, None, self.labels)
 
 
 def _numbers(given: Any) -> Floats | None:

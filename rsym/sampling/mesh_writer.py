@@ -20,6 +20,7 @@ from rsym.sampling.progress import Crew
 from rsym.sampling.sharp.assembly import Job
 from rsym.sampling.sharp.certificates import Unresolved
 from rsym.sampling.sharp.corners import stray_vertices
+from rsym.sampling.sharp.finishing import nothing_left
 from rsym.sampling.sharp.loops import loop, step
 from rsym.sampling.sharp.mending import Changes
 from rsym.sampling.sharp.stored import StoredPiece, Surface
@@ -93,11 +94,7 @@ class MeshWriter:
                 remedy="take a smaller resolution",
             )
         if not self.faces:
-            raise RsymError(
-                "the body has no extent: its surface is points and curves",
-                code="no-surface",
-                remedy="check bounds and letters; take a higher resolution if the body is thin",
-            )
+            raise nothing_left()
         total = len(self._surface.pieces)
         with atomic_file(path) as file:
             if path.suffix.lower() == ".ply":

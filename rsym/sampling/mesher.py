@@ -16,13 +16,14 @@ from rsym.arrays import Floats, Integers
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
-from rsym.logic.lifting import opened
+from rsym.logic.lifting import lifted, opened, origins
 from rsym.logic.sign_form import SignForm, has_kinks, surface_form
 from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
 from rsym.sampling.extent import extent
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, backend_for, mesher_kernels
+from rsym.sampling.labels import Labeller, Labels
 from rsym.sampling.lattice import lattice_over, sides_of
 from rsym.sampling.memory import SURE, Budget, TooLarge, bytes_of, free_memory, refusal, scaled
 from rsym.sampling.mesh import Mesh, MeshRequest
@@ -52,6 +53,9 @@ RESERVE = 1e8
 TRIAL = 5e8
 PACE = 96  # cells along a side of the mesh that tells how long blocks take
 
+# Of cells: the fourth power of a side is a number.
+LEAST = 1e-70
+
 
 class SharpMesher:
     """What stands behind `rsym.Mesher`; arguments as there, and the form of the shape where that is known."""
@@ -69,6 +73,14 @@ class SharpMesher:
         """The names of the leaves, the sides of the bounds last."""
         return leaf_names(self.form, self.shape)
 
+    @cached_property
+    def _origins(self) -> Integers:
+        """The leaves of the shape that those of the form come from, the sides of the bounds behind them."""
+        own = surface_form(self.shape)
+        large = [lifted(own.builder, leaf) for leaf in own.leaves]
+        found = origins(own, large, opened(own).leaves)
+        return np.array([*found, *range(len(own.leaves), len(own.leaves) + self.form.caps)])
+
     def __call__(self, request: MeshRequest) -> Mesh:
         """The surface for some letters."""
         box = self._box(request)
@@ -80,7 +92,7 @@ class SharpMesher:
             raise _no_surface(missed, "" if missed else where_it_lies(self.shape, request.letters))
         crew.stage(50, loops=20)
         triangles = finish(job.kernels, surface, job.lattice, crew)
-        mesh = self._mesh(triangles, surface, job, box, cap=request.cap)
+        mesh = self._mesh(triangles, surface, job, box, request)
         if request.progress is not None:
             crew.stage(250, loops=1)
             mesh.findings  # noqa: B018 - who watches the progress waits for these too
@@ -136,6 +148,13 @@ class SharpMesher:
                 code="resolution",
                 remedy=f"take at most {MOST_CELLS}",
             )
+        if not LEAST < min(lattice.spacing) <= max(lattice.spacing) < 1 / LEAST:
+            raise RsymError(
+                f"cells have sides from {min(lattice.spacing):.3g} to {max(lattice.spacing):.3g}; the square of the "
+                f"area of a triangle is a number only between {LEAST:g} and {1 / LEAST:g}",
+                code="size",
+                remedy="take another unit: shape.scale(k), then mesh.vertices/k",
+            )
         kernels = self._kernels.copy()
         kernels.set(self.shape.letters.values_with(letters), box)
         corner = np.array([*lattice.origin, *lattice.spacing])
@@ -154,16 +173,29 @@ class SharpMesher:
             seconds = _seconds(made(PACE), error.need)
             raise refusal(request.resolution, fits, error.need, seconds, error.free) from None
 
-    def _mesh(self, triangles: Finished, surface: Unfinished, job: Job, box: Bounds, *, cap: bool) -> Mesh:
+    def _mesh(self, triangles: Finished, surface: Unfinished, job: Job, box: Bounds, request: MeshRequest) -> Mesh:
         """The triangles with what is known of them; what takes a second look at the lattice waits until it is asked."""
         sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
         first = len(self.form.leaves) - self.form.caps
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
-        if clipped and not cap:
+        if clipped and not request.cap:
             triangles = triangles.some(triangles.leaf < first)
-        known = Findings(clipped_at=clipped, capped=cap, sides=sides)
+        known = Findings(clipped_at=clipped, capped=request.cap, sides=sides)
         find = partial(self._findings, known, triangles.vertices, surface.notes, surface.blocks, job)
-        return Mesh(triangles.vertices, triangles.faces, _Outward(job.kernels), find, triangles.leaf, self.leaves)
+        return Mesh(
+            triangles.vertices,
+            triangles.faces,
+            _Outward(job.kernels),
+            find,
+            triangles.leaf,
+            self.leaves,
+            called=partial(self._labels, request.letters),
+        )
+
+    def _labels(self, letters: Mapping[Any, float] | None, points: Floats, leaf: Integers) -> Labels:
+        """What points on leaves are called."""
+        first = len(self.form.leaves) - self.form.caps
+        return Labeller(self.shape, letters)(points, self._origins[leaf], self.leaves[first:])
 
     def _findings(
         self, known: Findings, vertices: Floats, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job

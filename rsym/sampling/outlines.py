@@ -7,6 +7,7 @@ different leaves, the point that both leaves have in common goes between them.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -17,7 +18,7 @@ from rsym.errors import RsymError
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
-from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves
+from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves, leaves_of
 from rsym.sampling.roots import bracketed_roots
 
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
@@ -29,6 +30,13 @@ SMOOTH_JOINT = 1e-2
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     """The lines omega = 0 of a prepared plane."""
     return outline_on_edges(sampler, leaves, sampler.signs())[0]
+
+
+def known_outline(sampler: PlaneSampler, *, cut: bool) -> LevelLines:
+    """The lines omega = 0 of what has no value somewhere or jumps, with ends at the ends of domains."""
+    leaves = leaves_of(sampler.shape, sampler.free, sampler.fixed, sampler.letters, sampler.bounds)
+    found = (outline_within if cut else outline)(sampler, leaves)
+    return replace(found, status=replace(found.status, undefined_samples=int(np.isnan(sampler.values()).sum())))
 
 
 def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
@@ -81,13 +89,16 @@ def outline_on_edges(
         tuple(np.split(np.insert(rows, places, new, axis=0), ends[1:-1])) if found else ()
         for rows, new in ((points, corners.points), (index, np.full(corners.points.shape, np.nan)))
     )
-    closed = sum(bool((line[0] == line[-1]).all()) for line in found)
+    if len(leaves.walls):
+        labels = np.split(np.insert(leaf, places, -1), ends[1:-1]) if found else ()
+        lines, edges = _off_walls(lines, edges, [np.isin(row, leaves.walls) for row in labels])
+    closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
-        kept=int(np.count_nonzero(~(distance <= ON_LEVEL * cell))),
+        kept=int(np.count_nonzero(~(distance <= ON_LEVEL * cell) & ~np.isin(leaf, leaves.walls))),
         undefined_samples=int(np.isnan(signs).sum()),
         closed=closed,
-        open=len(found) - closed,
+        open=len(lines) - closed,
         unresolved_corners=corners.missed,
     )
     return LevelLines(lines, 0.0, "value", status), edges
@@ -103,6 +114,26 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floa
         return leaves.active(sampler.lattice.points(low[which] + t[:, None] * along[which]))[0]
 
     return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along)
+
+
+def _off_walls(
+    lines: Sequence[Floats], edges: Sequence[Floats], walls: Sequence[Flags]
+) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """Lines, and the edges of their vertices, without what lies on walls; corners there are ends of what is left."""
+    kept: list[tuple[Floats, Floats]] = []
+    for line, edge, wall in zip(lines, edges, walls, strict=True):
+        if not wall.any():
+            kept.append((line, edge))
+            continue
+        if (line[0] == line[-1]).all():
+            start = int(np.argmax(wall))
+            line, edge = (np.roll(rows[:-1], -start, axis=0) for rows in (line, edge))
+            wall = np.roll(wall[:-1], -start)
+        cuts = np.flatnonzero(np.diff(wall)) + 1
+        for part, along, ends in zip(np.split(line, cuts), np.split(edge, cuts), np.split(wall, cuts), strict=True):
+            if not ends[0] and len(part) > 1:
+                kept.append((part, along))
+    return tuple(line for line, _ in kept), tuple(edge for _, edge in kept)
 
 
 class Joints(NamedTuple):
@@ -147,7 +178,17 @@ def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
 
 def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Floats, Flags]:
     corner = leaves.common((joints.before + joints.after) / 2, joints.one, joints.other)
-    return corner, (
+    if len(leaves.walls):  # a line may end upright at a wall
+        ends = np.isin(joints.one, leaves.walls) | np.isin(joints.other, leaves.walls)
+        holds = _near(joints, corner, cell)
+        rest = np.flatnonzero(~ends)
+        holds[rest] = _holds(leaves, joints.take(rest), corner[rest], cell)
+        return corner, holds
+    return corner, _holds(leaves, joints, corner, cell)
+
+
+def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> Flags:
+    return (
         _near(joints, corner, cell)
         & _meet(leaves, corner, joints.one, joints.other, cell)
         & _bounds(leaves, joints.before, corner, joints.one, cell)

@@ -5,8 +5,8 @@ A pencil has one ray through the middle of each pixel of a rectangle in space: f
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -80,6 +80,20 @@ class Pencil:
         normal = np.cross(self.across, self.down)
         away = abs(np.dot(np.subtract(self.corner, self.eye), normal)) / np.linalg.norm(normal)
         return 0.0, float(step / away)
+
+    def part(self, begin: Sequence[float] | Floats, side: float, size: tuple[int, int]) -> Pencil:
+        """So many columns and rows from a place on, with pixels that have `side` times the side of these.
+
+        Examples
+        --------
+        >>> flat = Pencil((4, 2), (0, 0, 5), (0.5, 0, 0), (0, -0.5, 0), direction=(0, 0, -2))
+        >>> flat.part((1, 1), 0.5, (2, 2)).corner, flat.part((1, 1), 0.5, (2, 2)).across
+        ((0.5, -0.5, 5.0), (0.25, 0.0, 0.0))
+        """
+        across, down = np.array(self.across), np.array(self.down)
+        corner = vector(np.array(self.corner) + begin[0] * across + begin[1] * down, "a corner")
+        steps = {"across": vector(side * across, "a step"), "down": vector(side * down, "a step")}
+        return replace(self, size=size, corner=corner, **steps)
 
     def rays(self, columns: ArrayLike | None = None, rows: ArrayLike | None = None) -> tuple[Floats, Floats]:
         """Origins and unit directions (..., 3), at places counted in pixels from the corner, which broadcast.

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
+from rsym.logic.inside import known_kernel
 from rsym.model.equation import checked_bounds
 from rsym.model.letters import real_number
 from rsym.model.recent import recently
@@ -110,6 +111,9 @@ class PlaneSampler:
             if not undefined:
                 return np.asarray(found, np.float64)
         values = self.values()
+        if self.known is not None and not np.isnan(values).all():
+            u, v = self.lattice.open_axes()
+            values = self._call(u, v, self.known)["value"]
         signs: Floats = np.where(np.isnan(values), np.nan, np.where(values >= 0, 1.0, -1.0))
         return signs
 
@@ -125,6 +129,8 @@ class PlaneSampler:
 
     def inside(self, points: Floats) -> Flags:
         """Whether the value at points (n, 2) is positive; of a large shape 0 is inside, as on the lattice of signs."""
+        if self.known is not None:
+            return self._call(points[:, 0], points[:, 1], self.known)["value"] > 0
         if self.large is None:
             positive: Flags = self.value_and_gradient(points)[0] > 0
             return positive
@@ -138,12 +144,17 @@ class PlaneSampler:
             return None
         return large_form(self.shape, self.free, self.fixed, self.letters, self.bounds)
 
-    def _call(self, u: Floats, v: Floats) -> dict[str, NDArray[Any]]:
+    @cached_property
+    def known(self) -> Kernel | None:
+        """What has the signs of the value where that says too little: it jumps, or parts of it have none."""
+        return None if self.field != "value" or self.given is not None else known_kernel(self.shape)
+
+    def _call(self, u: Floats, v: Floats, by: Any = None) -> dict[str, NDArray[Any]]:
         coordinates: list[Any] = [None] * (2 + len(self.fixed))
         coordinates[self.free[0]], coordinates[self.free[1]] = u, v
         for position, value in self.fixed.items():
             coordinates[position] = value
-        found: dict[str, NDArray[Any]] = self.kernel(*coordinates, letters=self.letters)
+        found: dict[str, NDArray[Any]] = (by or self.kernel)(*coordinates, letters=self.letters)
         return found
 
 

@@ -55,7 +55,7 @@ class PlaneLeaves:
         """The same in another plane; `points` are some of it."""
         plane = replace(self, fixed=fixed, flat=())
         if plane._large is None:
-            values, _ = plane._every(points)
+            values = plane._every(points)[0][: self.count]
         else:
             every = np.repeat(np.arange(self.count), len(points))
             ((values, _),) = plane.of(np.tile(points, (self.count, 1)), every)
@@ -67,7 +67,7 @@ class PlaneLeaves:
         if self._large is not None:
             value, leaf = self._large.value(points)
             return value, leaf.astype(np.int64)
-        return active_leaf(self.form.gates, self._every(points)[0])
+        return active_leaf(self.form.gates, self._every(points)[0][: self.count])
 
     def of(self, points: Floats, *leaves: Ints) -> Iterator[tuple[Floats, Floats]]:
         """For each array of leaves the value (n,) and the gradient (n, 2) of the leaf of each point."""
@@ -88,7 +88,7 @@ class PlaneLeaves:
             ((value, gradient),) = self.of(points, leaf)
             return value, gradient, leaf
         values, gradients = self._every(points)
-        value, leaf = active_leaf(self.form.gates, values)
+        value, leaf = active_leaf(self.form.gates, values[: self.count])
         return value, gradients[leaf, np.arange(len(points))], leaf
 
     def distance(self, points: Floats) -> tuple[Floats, Ints]:
@@ -107,12 +107,40 @@ class PlaneLeaves:
 
     def common(self, points: Floats, one: Ints, other: Ints) -> Floats:
         """Newton from points to the common zeros of two leaves each; NaN or far away where there is none."""
+        if self.limits:
+            one, other = self._at_walls(one, other), self._at_walls(other, one)
         for _ in range(NEWTON_STEPS):
             (f, first), (g, second) = self.of(points, one, other)
             (p, q), (u, v) = first.T, second.T
             with np.errstate(all="ignore"):
                 points = points - np.stack([f * v - g * q, g * p - f * u], axis=1) / (p * v - q * u)[:, None]
         return points
+
+    @cached_property
+    def walls(self) -> Ints:
+        """The leaves that are ends of domains: no zero of omega is there."""
+        return np.array(sorted(self.form.walls), np.int64)
+
+    @cached_property
+    def limits(self) -> dict[tuple[int, int], int]:
+        """By a leaf and a wall the number of what the leaf is there, behind those of the leaves."""
+        found = [(leaf, wall) for wall, ends in self.form.walls.items() for leaf, limit in ends.items() if limit]
+        return {} if self._large is not None else {pair: self.count + k for k, pair in enumerate(found)}
+
+    def _at_walls(self, leaf: Ints, other: Ints) -> Ints:
+        """Leaves, and their limits for those that meet a wall."""
+        own = leaf.copy()
+        for (one, wall), number in self.limits.items():
+            own[(leaf == one) & (other == wall)] = number
+        return own
+
+    def placed(self, points: Floats) -> Floats:
+        """Points (n, 2) of the plane in the coordinates of the shape, (n, dim)."""
+        found = np.zeros((len(points), self.shape.dimension))
+        for number, value in self.fixed.items():
+            found[:, number] = value
+        found[:, self.free] = points
+        return found
 
     def _every(self, points: Floats) -> tuple[Floats, Floats]:
         """The values (leaves, n) and the gradients (leaves, n, 2) at points (n, 2)."""
@@ -143,7 +171,8 @@ def _all_leaves(form: SignForm, shape: Shape, free: tuple[int, int]) -> Kernel:
     """Value and gradient in the plane of each leaf."""
     builder = form.builder
     outputs = {}
-    for k, leaf in enumerate(form.leaves):
+    limits = [limit for ends in form.walls.values() for limit in ends.values() if limit]
+    for k, leaf in enumerate([*form.leaves, *limits]):
         outputs[f"leaf_{k}"] = leaf
         outputs.update({f"leaf_{k}_{i}": derivative(builder, leaf, builder.coordinates[i]) for i in free})
     return compile_program(builder.program(outputs), (), shape)

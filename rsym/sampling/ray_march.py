@@ -17,7 +17,16 @@ from rsym.model.shape import Bounds
 from rsym.sampling.hits import Seen
 from rsym.sampling.leaf_fields import LeafFields
 from rsym.sampling.pencils import Pencil
-from rsym.sampling.ray_steps import ALIKE, CROSSING, MOST_STEPS, PATIENCE, SHORTEST, TOO_OFTEN
+from rsym.sampling.ray_steps import (
+    ALIKE,
+    CROSSING,
+    MOST_BEAM_STEPS,
+    MOST_STEPS,
+    NEAR,
+    PATIENCE,
+    SHORTEST,
+    TOO_OFTEN,
+)
 
 NEWTON_STEPS = 8
 BLOCK = 20_000  # rays at a time
@@ -78,6 +87,36 @@ class ArrayRays:
         origins, directions = (part.reshape(-1, 3) for part in pencil.rays())
         seen = self.rays(origins, directions, (near, far), pencil.pixel, planes, constants, threads)
         return seen.reshaped(pencil.size[::-1])
+
+    def starts(
+        self, pencil: Pencil, near: float, far: float, planes: Floats, constants: MarchLetters, threads: int
+    ) -> Floats:
+        """Where beams round the pixels (rows, columns) of a pencil may meet something; inf where they cannot."""
+        o, d = (part.reshape(-1, 3) for part in pencil.rays())
+        sides, (side, growth) = np.linalg.norm([pencil.across, pencil.down], axis=1), pencil.pixel
+        half = float(np.hypot(*sides)) / 2 * 1.001  # a little more for what rounding loses
+        still, growing = (half, 0.0) if pencil.eye is None else (0.0, half * growth / float(sides.min()))
+        room = still
+        if pencil.eye is not None:
+            low, high = np.array(constants.bounds).T
+            room = growing * float(np.linalg.norm(np.maximum(np.abs(low - pencil.eye), np.abs(high - pencil.eye))))
+        wider = np.column_stack([planes[:, :3], planes[:, 3] + room])
+        with np.errstate(all="ignore"):
+            t, stop, _ = _clipped(o, d, (near, far), wider)
+            step, live, gone = (stop - t) / 2, np.flatnonzero(t < stop), t >= stop
+            for _ in range(MOST_BEAM_STEPS):
+                now, length = t[live], np.minimum(step[live], stop[live] - t[live])
+                radius = still + growing * (np.abs(now) + length)
+                _, high, linear, quadratic = self.reference(
+                    constants.letters, along(o[live], d[live], now, length, radius)
+                )
+                upper = first_root(high + quadratic - linear, linear, quadratic)
+                out = upper > 2
+                t[live] = np.where(out, now + length, now + upper * length / 2)
+                step[live] = np.where(out, 2 * length, np.minimum(now + length - t[live], length / 2))
+                gone[live] = t[live] >= stop[live]
+                live = live[~gone[live] & (out | (length >= (side + growth * np.abs(now)) * NEAR))]
+        return np.where(gone, np.inf, t).reshape(pencil.size[::-1])
 
     def rays(
         self,

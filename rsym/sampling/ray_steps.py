@@ -8,3 +8,5 @@ TOO_OFTEN = 5 * PATIENCE  # then they lie farther apart than a pixel
 MOST_STEPS = 400
 # Of the diagonal of the bounds: closer leaves are taken for one.
 ALIKE = 1e-10
+# Beams, which go round the rays of a tile of pixels; of the side of a tile: where a beam that may meet something ends.
+MOST_BEAM_STEPS, NEAR = 60, 0.5

@@ -21,6 +21,7 @@ from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
 from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.hits import Hits, Rays, Seen
+from rsym.sampling.labels import Labeller, Labels
 from rsym.sampling.leaf_fields import SIDES, LeafFields
 from rsym.sampling.pencils import Cut, Pencil, as_cuts
 from rsym.sampling.ray_march import ArrayRays
@@ -151,6 +152,23 @@ class Caster:
         seen = self._kernels.picture(pencil, begin, far, self._planes(chosen), self._constants, self.threads)
         return self._hits(seen, pencil.rays, chosen)
 
+    def starts(self, pencil: Pencil) -> Floats:
+        """Where beams round the pixels of a pencil (rows, columns) may meet something; inf where nothing can be met.
+
+        Proved by enclosures: no body, however thin, is in a pixel with inf.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> from rsym import x, y, z
+        >>> needle = rsym.Shape(1e-6 - x**2 - y**2, (x, y, z), bounds=((-3, 3),) * 3)
+        >>> pencil = Pencil((4, 1), (-2, 0.5, 9), (1, 0, 0), (0, -1, 0), direction=(0, 0, -1))
+        >>> np.isfinite(Caster(needle).starts(pencil)).tolist(), Caster(needle).look(pencil).met.tolist()
+        ([[False, True, True, False]], [[False, False, False, False]])
+        """
+        begin = -np.inf if pencil.eye is None else 0.0
+        return self._kernels.starts(pencil, begin, np.inf, self._planes(()), self._constants, self.threads)
+
     @property
     def _fine(self) -> tuple[float, float]:
         return FINE * float(np.linalg.norm([high - low for low, high in self.bounds])), 0.0
@@ -163,7 +181,13 @@ class Caster:
             seen.doubt > 0,
             rays_of,
             partial(self._fields_at, self.letters, cuts),
+            partial(self._called, self.letters),
         )
+
+    def _called(self, letters: Mapping[str, float], points: Floats, leaf: Shorts) -> Labels:
+        """What points are called; on a cut they have no name."""
+        known = np.where(leaf < len(self.leaves), leaf, -1)
+        return Labeller(self.shape, letters)(points, known, self.leaves[len(self._leaf_fields.form.leaves) :])
 
     def _planes(self, cuts: tuple[Cut, ...]) -> Floats:
         """The half-spaces of the bounds and of the cuts: outer normal and offset."""
@@ -199,6 +223,9 @@ class Kernels(Protocol):
 
     def picture(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Any, threads: int) -> Seen:
         """What the rays of a pencil meet within planes (n, 4), the sides of the bounds first."""
+
+    def starts(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Any, threads: int) -> Floats:
+        """Where beams round the pixels (rows, columns) of a pencil may meet something; inf where they cannot."""
 
     def rays(
         self,

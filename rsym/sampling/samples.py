@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
-from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
 from rsym.sampling.extent import bounds_or_extent, proved_signs
 from rsym.sampling.form_signs import Boxes, FormSigns, halves
+from rsym.sampling.labels import BOUNDARY, Labeller, Labels
 from rsym.sampling.leaf_fields import LeafFields, distances
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.meshing import mesh
@@ -32,7 +32,7 @@ from rsym.sampling.plane_leaves import NEWTON_STEPS, leaves_of
 
 Names: TypeAlias = NDArray[np.str_]
 
-INSIDE, BOUNDARY = "inside", "boundary"
+INSIDE = "inside"
 RESOLUTION = {2: 512, 3: 128}
 CANDIDATES = 8  # for each point of a stratified sample
 OPEN = 1 / 4  # of the volume of the boxes kept: so little of unknown sign is small enough
@@ -292,12 +292,13 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
     body = mesh(shape, resolution, bounds=box, letters=letters, cap=False)
     fields = LeafFields(shape, ("mean_curvature",), letters)
     on_faces = fields.on_faces(body)
-    leaf = body.leaf if body.leaf is not None else fields.active(body.vertices[body.faces].mean(axis=1))
-    names = np.array(body.leaves if body.leaf is not None else fields.leaves)[leaf]
+    middles = body.vertices[body.faces].mean(axis=1)
+    leaf = fields.active(middles) if body.leaf is None else body.leaf
+    label = body.called if callable(body.called) else Labeller(shape, letters)
     a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
     flat = np.cross(b - a, c - a)
     areas = np.linalg.norm(flat, axis=1)
-    shares = np.cumsum(np.where(_wanted(shape, names, over), areas, 0.0))
+    shares = np.cumsum(np.where(_wanted(shape, label(middles, leaf), over), areas, 0.0))
 
     def draw(count: int, generator: np.random.Generator) -> _Drawn:
         faces = np.searchsorted(shares, shares[-1] * generator.random(count), side="right")
@@ -311,11 +312,11 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
             off = np.einsum("ij,ij->i", start - found["point"], normals)
             stretch = np.einsum("ij,ij->i", normals, plane) / (1 + 2 * found["mean_curvature"] * off)
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, plane)
-        active = fields.active(found["point"])
-        away = distances(fields.at(active, found["point"]))  # at a hollow edge chords lie beyond it
+        away = distances(fields.at(fields.active(found["point"]), found["point"]))  # chords at a hollow edge lie off it
         kept = _kept(stretch, found["point"], away, box, generator)
-        points = found["point"][kept]
-        return _Drawn(points, _along_a_curve(points, box), normals[kept], names[faces[kept]])
+        there = label(found["point"][kept], leaf[faces[kept]])
+        kept, names = kept[there.on(over)], there.each[there.on(over)]
+        return _Drawn(found["point"][kept], _along_a_curve(found["point"][kept], box), normals[kept], names)
 
     return draw
 
@@ -330,8 +331,8 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     along = end - start
     length = np.hypot(*along.T)
     leaf = leaves.active(start + along / 2)[1]
-    known = np.array(shape_leaf_names(shape))
-    shares = np.cumsum(np.where(_wanted(shape, known[leaf], over), length, 0.0))
+    label = Labeller(shape, letters)
+    shares = np.cumsum(np.where(_wanted(shape, label(start + along / 2, leaf), over), length, 0.0))
     with np.errstate(all="ignore"):
         across = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]  # the outside is to the right
 
@@ -362,26 +363,27 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
             stretch = 1 / np.einsum("ij,ij->i", normals, across[which])
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, across[which])
         kept = _kept(stretch, points, away, box, generator)
-        return _Drawn(points[kept], places[kept], normals[kept], known[leaf[which]][kept])
+        there = label(points[kept], leaf[which[kept]])
+        kept, names = kept[there.on(over)], there.each[there.on(over)]
+        return _Drawn(points[kept], places[kept], normals[kept], names)
 
     return draw
 
 
-def _wanted(shape: Shape, names: Names, over: str) -> Flags:
+def _wanted(shape: Shape, labels: Labels, over: str) -> Flags:
     """Which pieces of the boundary belong to the part."""
+    names = labels.each
     if not len(names):
         raise RsymError(
             "the shape has no boundary within its bounds", code="empty", remedy="check signs, letters and bounds"
         )
-    wanted = np.ones(len(names), bool) if over == BOUNDARY else names == over
-    if not wanted.any():
-        parts = [name for name, _ in shape.parts]
+    if not labels.on(over).any():
         there = f"inside, boundary, or a part on the boundary: {', '.join(np.unique(names)[:20])}"
-        what = "has nothing of the boundary" if over in parts else "is no part of the shape"
+        what = "has nothing of the boundary" if over in dict(shape.parts) else "is no part of the shape"
         raise RsymError(
             f"{over!r} {what}", code="over", remedy=proposal(over, (INSIDE, BOUNDARY, *names.tolist()), there)
         )
-    return wanted
+    return labels.on(over)
 
 
 def _kept(

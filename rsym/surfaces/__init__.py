@@ -20,6 +20,6 @@ splitting.py, joints/, proofs/, meshes.py          cut, joined, compared, proved
 chords/, projections.py                            lines over a domain; operators that keep means along them
 """
 
-from lazy_loader import attach_stub
+from rsym.facade import attach
 
-__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

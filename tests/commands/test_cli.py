@@ -392,3 +392,43 @@ def test_a_reader_that_leaves():
     assert done.returncode == 1
     assert done.stderr.startswith("rsym: whoever read the output left")
     assert len(done.stderr.splitlines()) == 1
+
+
+WRITING = {
+    **{name: ["-o"] for name in ("fields", "mesh", "render", "sections", "sweep")},
+    **{
+        name: ["-o"]
+        for name in ("compare", "design", "modes", "repair", "solve", "source", "torsion", "verify", "view")
+    },
+    "fit": ["-o", "--picture"],
+    "mesh --features": ["--features"],
+}
+NEEDED = {
+    "sections": ["--values", "1"],
+    "sweep": ["--letter", "r", "--values", "1"],
+    "source": ["--language", "c"],
+    "fit": ["points.txt", "--find", "r"],
+}
+
+
+@pytest.mark.parametrize("command", WRITING)
+def test_a_folder_that_is_not_there_is_refused_before_the_work(command, tmp_path, capsys):
+    name = command.split()[0]
+    for option in WRITING[command]:
+        there = ["-o", str(tmp_path / "body.stl")] if option == "--features" else []
+        line = [name, "no-such-model.rf", *NEEDED.get(name, ()), *there, option, str(tmp_path / "no" / "file.xyz")]
+        assert main(line) == 1
+        assert "there is no folder" in capsys.readouterr().err
+
+
+SUFFIXES = [name for name in WRITING if name not in ("source", "fit")]
+
+
+@pytest.mark.parametrize("command", SUFFIXES)
+def test_a_suffix_that_is_not_known_is_refused_before_the_work(command, tmp_path, capsys, model, monkeypatch):
+    name, option = command.split()[0], WRITING[command][0]
+    for slow in ("sampling.meshing.mesh", "output.rendering.render", "sampling.sections.sections"):
+        monkeypatch.setattr(f"rsym.{slow}", None)
+    there = ["-o", str(tmp_path / "body.stl")] if option == "--features" else []
+    assert main([name, model, *NEEDED.get(name, ()), *there, option, str(tmp_path / "file.abc")]) == 1
+    assert "file.abc" in capsys.readouterr().err

@@ -26,6 +26,14 @@ CASES = {
     "positive factor": (sp.exp(y) * U / sp.pi, U, 1),
     "positive divisor": (-U / (2 + x**2), U, -1),
     "unknown factor": (U * (x - 5), U * (x - 5), 1),
+    "tanh": (sp.tanh(1000 * U), U, 1),
+    "atan": (-sp.atan(10**6 * U), U, -1),
+    "erf": (sp.erf(1000 * U) ** 3, U, 1),
+    "sinh": (sp.sinh(-5 * U), U, -1),
+    "logistic": (1 / (1 + sp.exp(-50 * U)) - sp.Rational(1, 2), U, 1),
+    "exponential": (1 - sp.exp(3 * U), U, -1),
+    "exponentials": (sp.exp(2 * U) - sp.exp(U), U, 1),
+    "rises through 0 elsewhere": (sp.exp(U) - 2, sp.exp(U) - 2, 1),
     "nested": (-3 * sp.exp(x) * (-2 * U / (1 + y**2)) ** 5, U, 1),
 }
 

@@ -4,7 +4,7 @@ import numpy as np
 
 ONE = {"neg": np.negative, "square": np.square, "sqrt": np.sqrt, "abs": np.abs, "exp": np.exp, "ln": np.log}
 ONE |= {"log": np.log, "sin": np.sin, "cos": np.cos, "tan": np.tan, "asin": np.arcsin, "acos": np.arccos}
-ONE |= {"atan": np.arctan}
+ONE |= {"atan": np.arctan, "recip": np.reciprocal, "floor": np.floor}
 TWO = {"add": np.add, "sub": np.subtract, "mul": np.multiply, "div": np.divide, "atan2": np.arctan2}
 TWO |= {"min": np.minimum, "max": np.maximum, "compare": lambda a, b: np.sign(a - b)}
 

@@ -16,8 +16,9 @@ from rsym.output.axes3d import frame, project
 from rsym.output.brushes import CAP, HATCH, hatched
 from rsym.output.cameras import VIEWS, Camera
 from rsym.output.edges import edges_of, inked, smoothed
+from rsym.output.framing import framed
 from rsym.output.parts import PALETTE
-from rsym.output.rendering import SIGNAL, Scene, framed
+from rsym.output.rendering import SIGNAL, Scene
 from rsym.output.shading import KEY, decode, linear
 from rsym.output.shadows import LAMP, shade_of
 from rsym.output.sights import Sight

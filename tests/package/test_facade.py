@@ -3,6 +3,7 @@ import doctest
 import importlib
 import inspect
 import linecache
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from stubs import imports_of, with_pieces, written
 
 import rsym
+from rsym.model.spelling import american
 
 PACKAGES = [rsym, rsym.paper, rsym.surfaces]
 FILES = sorted(Path(rsym.__file__).parent.rglob("*.py"))
@@ -124,3 +126,77 @@ for name in rsym.__all__:
     assert closed == "True"
     assert 4.0 < float(volume) < 4.19
     assert refused == 'missing-package|pip install numba, or method="smooth"'
+
+
+def parameters_of(thing):
+    try:
+        return inspect.signature(thing).parameters
+    except (TypeError, ValueError):
+        return {}
+
+
+def callables():
+    """All that users call by a public name: functions, classes, and methods of these."""
+    for package in PACKAGES:
+        for name in package.__all__:
+            thing = getattr(package, name)
+            if callable(thing):
+                yield name, thing
+            for method in vars(thing) if inspect.isclass(thing) else ():
+                if not method.startswith("_") and inspect.isfunction(getattr(thing, method)):
+                    yield f"{name}.{method}", getattr(thing, method)
+    yield from (("Shape.rotate", rsym.Shape.rotate), ("Shape.scale", rsym.Shape.scale))
+
+
+AMERICAN = [(name, thing, american(parameters_of(thing))) for name, thing in callables()]
+AMERICAN = {name: (thing, spelt) for name, thing, spelt in AMERICAN if spelt}
+
+
+@pytest.mark.parametrize("name", AMERICAN)
+def test_american_spellings_are_answered_with_the_british_word(name):
+    thing, spellings = AMERICAN[name]
+    for theirs, ours in spellings.items():
+        with pytest.raises(rsym.RsymError) as raised:
+            thing(**{theirs: None})
+        assert raised.value.remedy == f"rsym spells it {ours!r}"
+        assert ours in parameters_of(thing)
+
+
+def test_spellings_are_those_of_the_issue():
+    assert {"disc", "plot_mesh", "plot_field", "Shape.rotate", "Arc"} <= set(AMERICAN)
+    assert AMERICAN["plot_mesh"][1] == {"color": "colour", "color_by": "colour_by", "color_map": "colour_map"}
+
+
+def test_what_answers_spellings_is_what_its_module_holds():
+    from rsym.model.primitives import plane
+
+    assert plane.disc is rsym.disc is pickle.loads(pickle.dumps(rsym.disc))
+    assert rsym.disc(centre=(1, 2)) == rsym.disc(1, (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "meant"),
+    [
+        ("level_line", "level_lines"),
+        ("meshh", "mesh"),
+        ("normalize", "normalise"),
+        ("disk", "disc"),
+        ("Shpae", "Shape"),
+    ],
+)
+def test_a_name_that_is_not_there_says_which_is(wrong, meant):
+    with pytest.raises(AttributeError, match=f"did you mean .*{meant!r}"):
+        getattr(rsym, wrong)
+    assert not hasattr(rsym, wrong)
+
+
+def test_a_name_that_is_like_none():
+    with pytest.raises(AttributeError, match=r"dir\(rsym\) lists"):
+        getattr(rsym, "qqqqqqqq")  # noqa: B009
+
+
+def test_a_model_that_is_not_there_says_which_is():
+    with pytest.raises(rsym.RsymError) as raised:
+        rsym.load("cars")
+    assert raised.value.remedy == "did you mean 'car'?"
+    assert rsym.load("car").parts

@@ -22,6 +22,7 @@ LAYERS = {
     "reports": set(),
     "arrays": {"numpy"},  # for those layers that may import numpy themselves
     "model": {"sympy", "mpmath"},  # mpmath: what SymPy evaluates with
+    "facade": {"lazy_loader"},
     "analysis": {"sympy"},
     "program": {"sympy", "numpy"},  # numpy: the plain meaning of operations on arrays
     "backends": {"sympy", "numpy", "llvmlite"},
@@ -30,11 +31,11 @@ LAYERS = {
     "language": {"sympy"},
     "sampling": {"numpy", "scipy", "skimage", "numba"},
     "verify": {"sympy", "numpy", "scipy", "mpmath", "flint"},
-    "surfaces": {"sympy", "numpy", "scipy", "lazy_loader"},
+    "surfaces": {"sympy", "numpy", "scipy"},
     "problems": {"sympy", "numpy", "scipy", "flint", "numba"},
     # mpl_toolkits is matplotlib's second package.
     "output": {"sympy", "numpy", "matplotlib", "mpl_toolkits", "trimesh", "plotly", "ipywidgets"},
-    "paper": {"numpy", "matplotlib", "lazy_loader"},
+    "paper": {"numpy", "matplotlib"},
     "commands": {"tqdm"},
     "cli": {"argcomplete"},
 }
@@ -42,7 +43,7 @@ LAYERS = {
 DEFERRED = {
     (
         "model/shape.py",
-        "rsym.backends.kernel",
+        "rsym.logic.inside",
     ): "shape.contains(x, y): whether a point is inside is asked of a shape, and"
     " only a compiled one answers for arrays; a free function would be the one question that is not a method",
     (

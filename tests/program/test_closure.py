@@ -47,13 +47,15 @@ PARAMETERS = {
     **dict.fromkeys(("equivalence", "joining", "absolute_power", "signed_power"), Fraction(3)),
 }
 GRID = [-2.3, -1.0, -0.5, 0.0, 0.7, 1.0, 3.1]
-LOW, HIGH = np.array([1.0, 1.7, 2.4, 3.1]), np.array([1.05, 1.75, 2.45, 3.15])  # all is defined and analytic here
+LOW, HIGH = np.array([1.01, 1.7, 2.4, 3.1]), np.array([1.05, 1.75, 2.45, 3.15])  # all is defined and analytic here
 SQUARES = {"trimming": 0, "normalised": 1}  # arguments that are sums of squares
 
 # Refusals.
 NO_SERIES = {
     *(
+        "asinh",
         "erf",
+        "floor",
         "softplus",
         "sign",
         "min",
@@ -67,17 +69,18 @@ NO_SERIES = {
     *("r_alpha_conjunction", "r_alpha_disjunction", "r0m_conjunction", "r0m_disjunction", "r0m_partial", "monomial"),
     *("norm", "rp_conjunction", "rp_disjunction", "rp_versine", "equivalence", "joining"),
 }
-JUMPS = {"sign", "select", "atan2"}
+JUMPS = {"sign", "select", "atan2"}  # at zeros of a switch
+TORN = {*JUMPS, "floor"}
 SWITCHED = {"abs", "sign", "min", "max", "select"}
-NO_MEAN_VALUE = {*JUMPS, "undefined"}
+NO_MEAN_VALUE = {*TORN, "undefined"}
 UNBOUNDED = {"trimming", "r0m_partial", "monomial", "rp_versine"}  # where a choice below them is on its border
 EVEN = {"norm", "rp_conjunction", "rp_disjunction", "equivalence"}
 FREE = {"monomial", "absolute_power", "signed_power"}  # the parameter may be any number
 LINEAR = {"add", "neg", "select", "zero_with"}
 SIGNED = {"mul", "div", "neg", "powi", "atan2", "monomial", "zero_with"}  # have rules of their own
-MONOTONE = {"min", "max", "sign", "exp", "erf", "softplus", "gap", "trimming", "norm", "joining"}
+MONOTONE = {"min", "max", "sign", "exp", "erf", "asinh", "floor", "softplus", "gap", "trimming", "norm", "joining"}
 MONOTONE |= {f"{system}_{word}" for system in ("r0", "r_alpha", "rp") for word in ("conjunction", "disjunction")}
-NEVER_ANALYTIC = {"undefined"}
+NEVER_ANALYTIC = {"undefined", "floor"}
 NO_DEGREE = {
     "const",
     "input",
@@ -93,7 +96,13 @@ NO_DEGREE = {
     "r0m_partial",
 }
 NO_DEGREE |= {"r0m_conjunction", "r0m_disjunction", "monomial", "rp_versine", "absolute_power", "signed_power"}
-NO_DEGREE |= {"erf", "softplus", "trimming"}  # takes the square of the trimmed function, which has another degree
+NO_DEGREE |= {
+    "asinh",
+    "erf",
+    "floor",
+    "softplus",
+    "trimming",
+}  # takes the square of the trimmed function, which has another degree
 
 
 def single(operation, letter=False):
@@ -364,7 +373,7 @@ def choices(operation):
     """The companion of a jumping argument is a bound; without one there is no jump but at choices."""
     builder, node, count = single(operation)
     smooth = Jumps(builder)[node]
-    assert (builder.value(smooth) == 0) == (operation not in JUMPS)
+    assert (builder.value(smooth) == 0) == (operation not in TORN)
     if count == 0:
         return
     jumping = builder.make("sign", builder.add(builder.input("u0"), builder.const(-1)))  # 1 on one side of u0 = 1

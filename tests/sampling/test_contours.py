@@ -53,11 +53,35 @@ def test_lines_are_cut_where_the_field_is_undefined():
     assert (points[:, 0] >= 0).all()
 
 
-def test_a_jump_keeps_its_place_and_is_counted():
+def test_a_jump_is_on_the_zeros_of_its_condition():
     step = Shape(sp.Piecewise((1, x > 0.1), (-1, True)) + 0 * y, (x, y), bounds=((-1, 1), (-1, 1)))
-    lines = rsym.level_lines(step, resolution=20)
-    assert lines.status.kept == lines.status.vertices > 0
-    assert "unresolved" in str(lines.status)
+    (line,) = rsym.level_lines(step, resolution=20)
+    assert_close(line[:, 0], np.full(len(line), 0.1), atol=1e-15)
+    (circle,) = rsym.level_lines(Shape(sp.sign(1 - x**2 - y**2), (x, y), bounds=((-2, 2), (-2, 2))), resolution=40)
+    assert_close(np.hypot(*circle.T), np.ones(len(circle)), atol=1e-13)
+
+
+@pytest.mark.parametrize("partial", [sp.sqrt(x - 2), sp.log(x - 2), sp.asin(x - 4), (x - 2) ** sp.Rational(1, 3)])
+@pytest.mark.parametrize("system", [rsym.R0, rsym.R1])
+def test_a_part_without_a_value_leaves_its_partners(partial, system):
+    part = Shape(partial - y, (x, y), bounds=((-3, 5), (-3, 3)))
+    lines = rsym.level_lines(rsym.disjunction(rsym.disc(1), part, system=system), resolution=80)
+    (circle,) = [line for line in lines if (line[0] == line[-1]).all()]
+    assert_close(np.hypot(*circle.T), np.ones(len(circle)), atol=1e-13)
+    assert lines.status.kept == lines.status.unresolved_corners == 0
+    assert "undefined" in str(lines.status)
+    assert len(rsym.level_lines(rsym.disc(1) - part, resolution=40)) == 0  # nothing is known to be left of it
+
+
+@pytest.mark.parametrize("resolution", [31, 64])
+def test_a_curve_runs_to_the_end_of_its_domain(resolution):
+    half = Shape(sp.sqrt(9 - x**2) - y, (x, y), bounds=((-4, 4), (-1, 4)))
+    (line,) = rsym.level_lines(half, resolution=resolution)
+    assert_close(np.hypot(*line.T), np.full(len(line), 3.0), atol=1e-12)
+    assert_close(line[[0, -1]], [[3, 0], [-3, 0]], atol=1e-14)
+    root = Shape(x ** sp.Rational(1, 3) - y, (x, y), bounds=((-1, 8), (-1, 3)))
+    (line,) = rsym.level_lines(root, resolution=resolution)
+    assert_close(line[[0, -1]], [[8, 2], [0, 0]], atol=1e-12)
 
 
 def test_a_corner_is_met_from_both_sides():

@@ -66,7 +66,7 @@ def shuffled(vertices, faces, leaf, seed=1):
 @pytest.mark.parametrize("order", [lambda *mesh: mesh, shuffled])
 def test_a_cube_has_twelve_edges_between_its_sides(n, order):
     vertices, faces, leaf = order(*cube(n))
-    found = features_of(vertices, faces, leaf, SIDES, flat_normals(vertices, faces))
+    found = features_of(vertices, faces, leaf, leaf, SIDES, flat_normals(vertices, faces))
     assert len(found) == 12
     for feature in found:
         (one, other), points = feature.leaves, feature.points
@@ -89,7 +89,7 @@ def test_a_cube_has_twelve_edges_between_its_sides(n, order):
 @pytest.mark.parametrize("order", [lambda *mesh: mesh, shuffled])
 def test_the_rims_of_a_cylinder_are_closed_circles(order):
     vertices, faces, leaf = order(*tube(40))
-    found = features_of(vertices, faces, leaf, ("bottom", "mantle", "top"), flat_normals(vertices, faces))
+    found = features_of(vertices, faces, leaf, leaf, ("bottom", "mantle", "top"), flat_normals(vertices, faces))
     assert {feature.names for feature in found} == {("bottom", "mantle"), ("mantle", "top")}
     for feature in found:
         assert feature.closed
@@ -108,7 +108,7 @@ def test_one_pair_of_leaves_may_meet_in_several_curves_and_a_smooth_seam_has_no_
     # Normals of the round mantle, the same on both sides of its seams.
     outward = vertices * [1, 1, 0] + [0, 0, 1e-30]
     outward /= np.linalg.norm(outward, axis=1)[:, None]
-    found = features_of(vertices, faces, leaf, "abcd", lambda some: outward[faces[some]])
+    found = features_of(vertices, faces, leaf, leaf, "abcd", lambda some: outward[faces[some]])
     assert [feature.names for feature in found].count(("b", "d")) == 2
     assert all(feature.angle < 1e-6 for feature in found if feature.names == ("b", "d"))
 
@@ -116,9 +116,9 @@ def test_one_pair_of_leaves_may_meet_in_several_curves_and_a_smooth_seam_has_no_
 def test_a_mesh_of_one_leaf_and_open_borders_have_no_features():
     vertices, faces, leaf = cube(3)
     normals = flat_normals(vertices, faces)
-    assert features_of(vertices, faces, np.zeros_like(leaf), ("all",), normals) == ()
+    assert features_of(vertices, faces, np.zeros_like(leaf), np.zeros_like(leaf), ("all",), normals) == ()
     some = leaf < 2  # two sides that do not touch
-    assert features_of(vertices, faces[some], leaf[some], SIDES, normals) == ()
+    assert features_of(vertices, faces[some], leaf[some], leaf[some], SIDES, normals) == ()
 
 
 def test_three_curves_end_at_a_corner_and_four_at_a_crossing():
@@ -130,7 +130,7 @@ def test_three_curves_end_at_a_corner_and_four_at_a_crossing():
     plane = np.array([(i, j, 0.0) for i in range(5) for j in range(5)])
     chessboard = np.tile((u >= 2) ^ (v >= 2), 2).astype(int)
     up = lambda some: np.tile([0.0, 0, 1], (len(some), 3, 1))  # noqa: E731
-    found = features_of(plane, faces, chessboard, "ab", up)
+    found = features_of(plane, faces, chessboard, chessboard, "ab", up)
     assert sorted(len(feature.points) for feature in found) == [3, 3, 3, 3]
     for feature in found:
         assert [2, 2, 0] in feature.points[[0, -1]].tolist()
@@ -140,7 +140,7 @@ def test_curves_of_different_leaves_do_not_run_on_into_each_other():
     """A fan of three leaves on the border of an open mesh: one curve comes to its middle, the other leaves it."""
     fan = np.array([[0, 0, 0], [2, 0, 0], [1, 1, 0], [-1, 1, 0], [-2, 0, 0.0]])
     faces = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 4]])
-    found = features_of(fan, faces, np.array([2, 0, 1]), "abc", flat_normals(fan, faces))
+    found = features_of(fan, faces, np.array([2, 0, 1]), np.array([2, 0, 1]), "abc", flat_normals(fan, faces))
     assert sorted(feature.names for feature in found) == [("a", "b"), ("a", "c")]
 
 

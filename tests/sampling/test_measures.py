@@ -43,16 +43,14 @@ def test_the_boundary_belongs_to_the_shape_and_what_is_undefined_does_not():
     assert not quadrant.contains(np.nan, 1)
 
 
-def test_contains_takes_letters_as_a_kernel_does():
-    disc = rsym.Shape(r**2 - x**2 - y**2, (x, y), letters={r: 1})
-    assert disc.contains(2, 0, letters={"r": 3})
-    assert disc.contains(2, 0, letters={r: 3})
-    with pytest.raises(rsym.RsymError, match="q"):
-        disc.contains(2, 0, letters={"q": 3})
-    with pytest.raises(rsym.RsymError, match="takes 2 coordinates"):
-        disc.contains(1, 2, 3)
-    with pytest.raises(rsym.RsymError, match="real arrays"):
-        disc.contains("a", 2)
+def test_what_is_inside_whatever_an_undefined_part_is_belongs_to_the_shape():
+    part = rsym.Shape(sp.sqrt(x - 2) - y, (x, y))
+    places = [0.0, 1.5, 3.0, 3.0], [0.0, 0.0, 0.9, 1.1]
+    for system in (rsym.R0, rsym.R1):
+        either, both = (join(rsym.disc(1), part, system=system) for join in (rsym.disjunction, rsym.conjunction))
+        assert either.contains(*places).tolist() == [True, False, True, False]
+        assert both.contains(*places).tolist() == [False] * 4
+        assert (~both).contains(*places).tolist() == [False, True, True, True]
 
 
 # measures of a mesh

@@ -265,6 +265,7 @@ ELEMENTARY: dict[type[sp.Basic], Rule] = {
     sp.cot: _lost_where(lambda u: (sp.sin(u),), -1, lambda u: (sp.nan, sp.nan)),
     sp.log: _lost_where(lambda u: (u,), -1, ends.rising(_plain(sp.log)), (1,), "logarithm"),
     sp.sign: _lost_where(lambda u: (u,), -1, ends.rising(_plain(sp.sign)), (1,)),
+    sp.floor: _lost_where(lambda u: (sp.sin(sp.pi * u),), -1, ends.rising(_plain(sp.floor)), (1,)),
     sp.asin: _lost_where(lambda u: (1 - u**2,), 0, ends.rising(_plain(sp.asin)), (1,)),
     sp.acos: _lost_where(lambda u: (1 - u**2,), 0, ends.falling(_plain(sp.acos)), (-1,)),
     sp.atan2: _lost_where(lambda v, u: (sp.sqrt(u**2 + v**2) + u,), -1, ends.angle, (None, None)),

@@ -347,7 +347,7 @@ def arc(
         raise RsymError(
             f"an arc needs start < end < start + 2 pi, got {low:g} and {high:g}",
             code="angles",
-            remedy="add 2 pi to the end, exchange the two, or take circle(radius, centre) for a whole one",
+            remedy="degrees=True for degrees; exchange the two, add 2 pi to the end, or take circle(radius, centre)",
         )
     node = ArcField(*SPACE[: len(middle)], *middle, *first, *second, size, *angles, sp.Integer(bool(exact)))
     return _on_circle(node, low, high, letters)

@@ -20,11 +20,9 @@ from rsym.sampling.kernels.ray_state import GONE, MARCHING, ROWS, Row, get, leas
 from rsym.sampling.kernels.region_code import region
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 from rsym.sampling.kernels.table_code import leaf_routines
+from rsym.sampling.ray_steps import MOST_BEAM_STEPS, NEAR
 
 BLOCK = (4, 2)  # columns and rows of the eight pixels that march together
-MOST_BEAM_STEPS = 60
-# Of the side of a tile: where a beam that may meet something ends.
-NEAR = 0.5
 FIRST_STEP = 4.0
 # What matters is asked for the first stretch of a beam, so many sides of a tile long, for there most rays end, and for
 # all of its rest: on the car, of 38 gates, one more takes more than it saves.

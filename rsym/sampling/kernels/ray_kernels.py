@@ -234,29 +234,49 @@ class RayKernels:
 
     def picture(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Floats, threads: int) -> Seen:
         """What the rays of a pencil meet within planes (n, 4)."""
-        pool = Crowd(threads)
         width, height = pencil.size
         tile = self.formulas.tile
-        columns, rows = -(-width // tile), -(-height // tile)
-        tiles = columns * rows
-        camera = _camera(pencil, near, far, planes, tile)
-        words = self.formulas.words
-        common = (camera, planes, len(planes), constants, columns)
-        starts, limits = np.empty(tiles + LANES), np.empty(tiles + LANES)
-        marks = np.empty(0 if self.formulas.celled else (tiles + LANES) * STRETCHES * words, np.uint64)
-        nothing = np.zeros(words, np.uint64)
-
-        def of_tiles(*before: Any) -> tuple[Any, ...]:
-            return (*self._room(), starts) if self.formulas.celled else (*before, starts, limits, marks)
-
-        beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
-        pool.run(lambda a, b: self._call("beams", a, b, *common, *of_tiles(nothing)), tiles, beam)
+        rows, columns = -(-height // tile), -(-width // tile)
+        tiles, pool = rows * columns, Crowd(threads)
+        common, of_tiles = self._beams(pencil, near, far, planes, constants, pool, (rows, columns))
         shape = rows * tile, columns * tile
         seen = Seen(np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8))
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
-        pool.run(lambda a, b: self._call("picture", a, b, *common, *of_tiles(), *out), tiles, columns)
+        pool.run(lambda a, b: self._call("picture", a, b, *common, *self._room(), *of_tiles, *out), tiles, columns)
         part = np.s_[:height, :width]
         return Seen(seen.depth[part], seen.leaf[part], seen.normal[(np.s_[:], *part)], seen.doubt[part])
+
+    def starts(
+        self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Floats, threads: int
+    ) -> Floats:
+        """Where beams round the pixels (rows, columns) of a pencil may meet something; inf where they cannot."""
+        tiles = pencil.part((0, 0), 1 / self.formulas.tile, pencil.size)
+        shape = pencil.size[::-1]
+        _, of_tiles = self._beams(tiles, near, far, planes, constants, Crowd(threads), shape)
+        return of_tiles[0][: shape[0] * shape[1]].reshape(shape)
+
+    def _beams(
+        self,
+        pencil: Pencil,
+        near: float,
+        far: float,
+        planes: Floats,
+        constants: Floats,
+        pool: Crowd,
+        shape: tuple[int, int],
+    ) -> tuple[tuple[Any, ...], tuple[Floats, ...]]:
+        """Cast a beam for each tile of a pencil (rows, columns); what it was cast with, and what is known of tiles."""
+        tiles, words = shape[0] * shape[1], self.formulas.words
+        camera = _camera(pencil, near, far, planes, self.formulas.tile)
+        common = (camera, planes, len(planes), constants, shape[1])
+        starts, nothing = np.empty(tiles + LANES), np.zeros(words, np.uint64)
+        of_tiles: tuple[Floats, ...] = (starts,)
+        if not self.formulas.celled:
+            of_tiles = (starts, np.empty(tiles + LANES), np.empty((tiles + LANES) * STRETCHES * words, np.uint64))
+        before = self._room if self.formulas.celled else lambda: (nothing,)
+        beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
+        pool.run(lambda a, b: self._call("beams", a, b, *common, *before(), *of_tiles), tiles, beam)
+        return common, of_tiles
 
     def rays(
         self,

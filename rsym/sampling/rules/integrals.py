@@ -9,17 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Flags, Floats
+from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.numbers import point
+from rsym.sampling.labels import BOUNDARY, labels_of
 from rsym.sampling.rules.portions import RulePortion
 from rsym.sampling.rules.quadrature import ORDER, prepared
 from rsym.sampling.rules.refinement import Integral, Sums, boundary_rounding, refined
 
-INSIDE, BOUNDARY = "inside", "boundary"
+INSIDE = "inside"
 
 
 def integrate(
@@ -86,7 +87,7 @@ def integrate(
     """
     require_shape(shape)
     made = prepared(shape, bounds, letters)
-    leaves = _leaves(over, made.parts)[made.owner]
+    labels_of((), made.parts).require(over, INSIDE, BOUNDARY)
     function = _function(f, shape, letters)
 
     def quantities(portion: RulePortion) -> Sums:
@@ -95,7 +96,7 @@ def integrate(
         if over == INSIDE:
             points, weights = rule.points, rule.weights
         else:
-            some, lost = leaves[rule.edge_leaf], portion.unresolved.boundary
+            some, lost = made.labels(rule).on(over), portion.unresolved.boundary
             points, weights = rule.edge_points[:, some], rule.edge_weights[some]
             rounding = boundary_rounding(made, weights.sum())
         values = function(points.T)
@@ -113,14 +114,6 @@ def integrate(
         peaks=not isinstance(f, Real),
     )
     return found.integral(0)
-
-
-def _leaves(over: str, parts: tuple[str, ...]) -> Flags:
-    """Which leaves an integral over the boundary or a part of it takes."""
-    if over not in (INSIDE, BOUNDARY, *parts):
-        names = ", ".join(dict.fromkeys((INSIDE, BOUNDARY, *parts)))
-        raise RsymError(f"no part {over!r} to integrate over", code="unknown-part", remedy=f"choose from {names}")
-    return np.array([over in (BOUNDARY, name) for name in parts], np.bool_)
 
 
 def _function(f: Any, shape: Shape, letters: Mapping[Any, float] | None) -> Callable[[Floats], Floats]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.logic.leaf_names import leaf_names
-from rsym.logic.lifting import TURNED, lifted
+from rsym.logic.lifting import TURNED, lifted, origins
 from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
@@ -132,13 +132,10 @@ def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
     leaves = [_slab(builder, _lifted(builder, leaf)) for leaf in form.leaves]
     made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
     smooth = replace(sign_form(builder, made[-1]), parameters=form.parameters)
-    owner: dict[int, int] = {}
-    for number, leaf in enumerate(leaves):
-        for part in sign_form(builder, leaf).leaves:
-            owner.setdefault(part, number)
-    if list(form.leaves) == leaves or any(leaf not in owner for leaf in smooth.leaves):
+    owner = origins(form, leaves, smooth.leaves)
+    if list(form.leaves) == leaves or -1 in owner:
         return form, np.arange(len(form.leaves))
-    return smooth, np.array([owner[leaf] for leaf in smooth.leaves])
+    return smooth, np.array(owner)
 
 
 def _lifted(builder: Builder, leaf: int) -> int:

@@ -14,6 +14,7 @@ from rsym.model.shape import Shape
 from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.numbers import measured
 from rsym.reports.render import Report
+from rsym.sampling.labels import labels_of
 from rsym.sampling.rules.portions import RulePortion
 from rsym.sampling.rules.quadrature import ORDER, prepared
 from rsym.sampling.rules.refinement import ROUNDING, Integral, Refined, Sums, boundary_rounding, refined
@@ -138,6 +139,13 @@ def _told(value: Integral) -> str:
     return measured(float(value), value.error)
 
 
+class _MoreNames(Exception):
+    """Faces coincide whose names were not known together."""
+
+    def __init__(self, names: list[str]) -> None:
+        self.names = names
+
+
 def measure(
     shape: Shape,
     *,
@@ -160,8 +168,7 @@ def measure(
     (36.0, 36.0)
     """
     made = prepared(shape, bounds, letters)
-    names = tuple(dict.fromkeys(made.parts))
-    number = np.array([names.index(name) for name in made.parts])[made.owner]
+    names = list(labels_of((), made.parts).names)
     dimension = shape.dimension
     rows = [(i, j) for i in range(dimension) for j in range(i, dimension)]
     middle = np.array([[low / 2 + high / 2] for low, high in made.box])
@@ -169,7 +176,11 @@ def measure(
     def quantities(portion: RulePortion) -> Sums:
         rule, lost = portion.rule, portion.unresolved
         away = rule.points - middle
-        parts = np.bincount(number[rule.edge_leaf], rule.edge_weights, len(names))
+        labels = made.labels(rule)
+        if more := [name for name in labels.names if name not in names]:
+            raise _MoreNames(more)
+        columns = np.array([*map(names.index, labels.names)], np.int64)
+        parts = np.bincount(columns[labels.number], rule.edge_weights, len(names))
         moments = [rule.weights @ (away[i] * away[j]) for i, j in rows]
         values = np.array([rule.weights.sum(), parts.sum(), *parts, *(away @ rule.weights), *moments])
         reach = float(np.abs(away).max(initial=0.0))
@@ -181,7 +192,12 @@ def measure(
         rounding = made.resolution * values[1], boundary_rounding(made, values[1])
         return Sums(values, like(values[0], values[1]), like(lost.content, lost.boundary), like(*rounding))
 
-    found = refined(made, quantities, tolerance=tolerance, cells=cells, order=order, threads=threads)
+    while True:
+        try:
+            found = refined(made, quantities, tolerance=tolerance, cells=cells, order=order, threads=threads)
+            break
+        except _MoreNames as met:  # added up again from the start, in a column of their own
+            names.extend(met.names)
     first = 2 + len(names)
     lengths = {name: found.integral(2 + k) for k, name in enumerate(names) if found.found.values[2 + k] > 0}
     centre, pairs = _central(found, first, rows, middle.ravel())

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError, warn
+from rsym.logic.sign_form import shape_form
 from rsym.model.equation import checked_bounds
 from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent
-from rsym.sampling.rules.columns import rules_joined
+from rsym.sampling.labels import Labeller, Labels, labels_of
+from rsym.sampling.rules.columns import CellRule, rules_joined
 from rsym.sampling.rules.division import (
     INSIDE,
     OPEN,
@@ -56,14 +58,18 @@ class BoundaryQuadrature:
     leaves: Ints
     cells: Ints
     parts: tuple[str, ...]
+    called: Callable[[Floats, Ints], Labels] | None = field(default=None, repr=False)
+
+    @cached_property
+    def labels(self) -> Labels:
+        """Which parts the points belong to."""
+        given = self.called
+        return labels_of(self.leaves, self.parts) if given is None else given(self.points, self.leaves)
 
     def of(self, part: str) -> BoundaryQuadrature:
-        """What lies on a part, all leaves of this name."""
-        numbers = [number for number, name in enumerate(self.parts) if name == part]
-        if not numbers:
-            names = ", ".join(dict.fromkeys(self.parts))
-            raise RsymError(f"no part {part!r}", code="unknown-part", remedy=f"the parts are {names}")
-        some = np.isin(self.leaves, numbers)
+        """What lies on a part; where others coincide with it, on each of them."""
+        self.labels.require(part)
+        some = self.labels.on(part)
         return replace(
             self,
             points=self.points[some],
@@ -195,8 +201,8 @@ def quadrature(
 class Prepared:
     """A shape at letters within bounds, ready for rules.
 
-    `owner` is the part of each leaf of the functions; `sides` are the parts that are bounds nobody asked for: the
-    shape's own.
+    `owner` is the leaf of the shape that each leaf of the functions comes from, and `parts` are the names of these;
+    `sides` are those that are bounds nobody asked for: the shape's own. `called` labels points of these leaves.
     """
 
     functions: Any
@@ -204,6 +210,12 @@ class Prepared:
     parts: tuple[str, ...]
     owner: Ints
     sides: range = range(0)
+    called: Callable[[Floats, Ints], Labels] | None = None
+
+    def labels(self, rule: CellRule) -> Labels:
+        """Which parts the points of the boundary in a rule belong to."""
+        leaves = self.owner[rule.edge_leaf]
+        return labels_of(leaves, self.parts) if self.called is None else self.called(rule.edge_points.T, leaves)
 
     def rule(
         self, cells: int, order: int, near: ArrayLike | Grading | None = None, threads: int | None = None
@@ -220,7 +232,7 @@ class Prepared:
         leaves = self.owner[rule.edge_leaf]
         self.warn_of_cuts(leaves)
         boundary = BoundaryQuadrature(
-            rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts
+            rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts, self.called
         )
         full = np.concatenate([portion.full for portion in made])
         met = np.zeros(math.prod(grid.counts), np.bool_)
@@ -317,7 +329,9 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
             remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
         )
     own = 2 * shape.dimension if bounds is None and box is not None else 0
-    return Prepared(functions, known, form.names, form.owner, range(len(form.names) - own, len(form.names)))
+    count = len(form.names)
+    called = partial(Labeller(shape, letters), behind=form.names[len(shape_form(shape).leaves) :])
+    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called)
 
 
 def _grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:

@@ -6,7 +6,8 @@ In the order of the data:
 - `signs`: the blocks of cells that the surface may meet, and the signs of their points
 - `topology`: the vertices and quads that follow from signs alone
 - `crossings`: where edges of the lattice cross the surface, and on which leaf
-- `corners`: vertices on edges and corners of the body, by Newton's method
+- `corners`: vertices on edges and corners of the body, by Newton's method; `brackets`: the others, and what it carries
+  away, by signs
 - `faces`: two triangles for each quad, and their flaws
 - `assembly`: these stages one after the other, a vertex for each patch; `pieces`: the same in pieces, on any executor,
   the same bits

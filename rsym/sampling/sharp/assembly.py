@@ -21,6 +21,7 @@ from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, padded
 from rsym.sampling.memory import Budget
 from rsym.sampling.progress import Crew
+from rsym.sampling.sharp.brackets import bring_back, cells_of, slid
 from rsym.sampling.sharp.corners import settle
 from rsym.sampling.sharp.crossings import Crossings, find_crossings, sample_signs
 from rsym.sampling.sharp.faces import connect, find_flaws, turn_diagonals
@@ -206,9 +207,6 @@ def _faces(
     return faces
 
 
-# From a hundredth of a cell off, four steps end at rounding: 1e-2, 1e-4, 1e-8, 1e-16.
-STEPS = 4
-
 # Directions in which the tangent planes hardly differ say nothing: those below this share of the largest eigenvalue.
 FLAT = 0.02
 FIT_GRAIN = 1024
@@ -237,13 +235,14 @@ def place_vertices(
     single, feature = np.full(points.shape[1], -1, np.int16), np.zeros(points.shape[1], np.uint8)
     arrays = (surface.ring_start, surface.ring, crossings.points, crossings.leaf, smooth, points, single, feature)
     in_threads(lambda a, b: middles(a, b, *arrays), count, GRAIN, pool)
-    in_threads(lambda a, b: kernels.slide(b - a, single, points, STEPS, first=a), count, GRAIN, pool)
+    lost = slid(kernels, single, points, surface, crossings, lattice, pool)
     # A gradient that a smooth leaf has not, as that of a root at 0, is a kink.
     feature[:count][~np.isfinite(points[:, :count].sum(axis=0))] = 1
     several = np.flatnonzero(feature[:count])
     if len(several):
         start = fitted(several, surface, crossings, lattice, pool)
         points[:, several] = settle(kernels, several, start, surface, crossings, lattice, pool)
+    bring_back(kernels, lost, several, points, surface, crossings, lattice, pool)
     return Vertices(points, feature)
 
 
@@ -292,9 +291,7 @@ def fitted(
     Sum of (n_i . (x - p_i))**2 over crossings p_i with unit normals n_i, least norm from the middle of the crossings
     (Ju, Losasso, Schaefer and Warren 2002), kept near the cell.
     """
-    cell = np.searchsorted(surface.start, which, "right") - 1
-    place = surface.place[cell].astype(np.int64)
-    first = surface.corner[:, place >> 9] + np.stack([place >> 6 & 7, place >> 3 & 7, place & 7])
+    first = cells_of(which, surface)
     low = lattice[:3, None] + lattice[3:, None] * (first - CLOSE)
     high = low + lattice[3:, None] * (1 + 2 * CLOSE)
     points = np.empty((3, len(which)))

@@ -198,6 +198,14 @@ def on_surface(cells: Floats, lattice: Floats) -> Flags:
     return np.asarray(cells * lattice[3:].min() < smallest(lattice))
 
 
+def is_inside(kernels: MesherKernels, points: Floats, pool: Executor | None) -> Flags:
+    """Where the form is not negative."""
+    count, places = points.shape[1], columns(points)
+    value, leaf = np.empty(places.shape[1]), np.empty(places.shape[1], np.int16)
+    in_threads(lambda a, b: kernels.value(b - a, places, value, leaf, first=a), count, kernels.grain, pool)
+    return np.asarray(value[:count] >= 0)
+
+
 def on_active_leaf(kernels: MesherKernels, start: Floats, lattice: Floats, pool: Executor | None) -> Floats:
     """Newton's method on the leaf that is active where a point is.
 
@@ -206,10 +214,10 @@ def on_active_leaf(kernels: MesherKernels, start: Floats, lattice: Floats, pool:
     """
     points = _slid(kernels, start, pool)
     for again in (_from_beside, _on_all_active):
-        stuck = np.flatnonzero(~_is_zero(kernels, points, lattice, pool))
+        stuck = np.flatnonzero(~is_zero(kernels, points, lattice, pool))
         if len(stuck):
             other = again(kernels, start[:, stuck], points[:, stuck], lattice, pool)
-            good = _is_zero(kernels, other, lattice, pool)
+            good = is_zero(kernels, other, lattice, pool)
             good &= (np.abs(other - start[:, stuck]) <= REACH * lattice[3:].max()).all(axis=0)
             points[:, stuck[good]] = other[:, good]
     return points
@@ -239,7 +247,7 @@ def _on_all_active(
     return solve(kernels, leaves, points, lattice, pool)
 
 
-def _is_zero(kernels: MesherKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Flags:
+def is_zero(kernels: MesherKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Flags:
     """Whether the form is zero, to rounding: also on kinks. Leaves have gradients of length 1 or so."""
     count, places = points.shape[1], columns(points)
     value, leaf = np.empty(places.shape[1]), np.empty(places.shape[1], np.int16)
@@ -281,8 +289,18 @@ def stray_vertices(
         return None
     cells = np.nan_to_num(off_surface(kernels, points[:, doubtful], lattice, pool), nan=np.inf)
     strays = ~on_surface(cells, lattice)
+    # Of leaves so steep that a rounding is more than the distance of others, signs tell.
+    strays[strays] = ~_between_signs(kernels, points[:, doubtful[strays]], lattice, pool)
     if not strays.any():
         return None
+    cells = np.where(strays, cells, 0.0)
     worst = int(cells.argmax())
     x, y, z = (float(f"{coordinate:.4g}") for coordinate in points[:, doubtful[worst]])
     return OffSurface(int(strays.sum()), float(cells[worst]), (x, y, z))
+
+
+def _between_signs(kernels: MesherKernels, points: Floats, lattice: Floats, pool: Executor | None) -> Flags:
+    """Whether the form has both signs next to points, as near as makes no difference."""
+    aside = smallest(lattice) * np.concatenate([np.eye(3), -np.eye(3)])
+    signs = np.stack([is_inside(kernels, points + step[:, None], pool) for step in aside])
+    return np.asarray(signs.any(axis=0) & ~signs.all(axis=0))

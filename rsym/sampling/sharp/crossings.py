@@ -5,19 +5,22 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cache
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Shorts
+from rsym.arrays import Flags, Floats, Ints, Shorts
 from rsym.errors import RsymError
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
-from rsym.sampling.sharp.loops import in_threads
+from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.signs import BLOCK, Blocks, list_edges
 from rsym.sampling.sharp.topology import GRAIN, Topology
 
 BYTES = 96  # for the bits of 9x9x9 points, whole words
+# Cells: a crossing lies closer to its leaf; and how far from it signs are looked at.
+ZERO, ASIDE = 1e-6, 1e-9
+HALVINGS = 53  # of an edge: to the last bit
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,65 @@ def find_crossings(
     points, leaf = _on_edges(kernels, blocks, surface, lattice, pool)
     gradients, value = np.zeros(points.shape), np.empty(points.shape[1])
     evaluate(kernels, leaf, points, value, gradients, surface.crossings, pool)
+    doubtful = np.flatnonzero(_away(surface.crossings, value, gradients, lattice[3:]))
+    if len(doubtful):
+        axis, leaves = np.searchsorted(surface.axes[1:-1], doubtful, "right"), CompiledLeaves(kernels)
+        points[:, doubtful] = _halved(leaves, points[:, doubtful], axis, lattice)
+        leaf[doubtful] = _crossed(leaves, points[:, doubtful], leaf[doubtful], axis, lattice)
+        evaluate(kernels, leaf, points, value, gradients, surface.crossings, pool)
+        # At a jump slopes say nothing of the surface.
+        gradients[:, np.flatnonzero(_away(surface.crossings, value, gradients, lattice[3:]))] = 0.0
     return Crossings(points, gradients, leaf, surface.crossings)
+
+
+@loop
+def _away(count: int, value: Floats, gradients: Floats, spacing: Floats) -> Any:
+    """Whether the leaf of each crossing is not 0 there, to first order: then it may be one that only is active."""
+    away = np.zeros(count, np.bool_)
+    for e in range(count):
+        steep = 0.0
+        for axis in range(3):
+            steep += abs(gradients[axis, e]) * spacing[axis]
+        away[e] = not abs(value[e]) <= ZERO * steep
+    return away
+
+
+def _halved(leaves: CompiledLeaves, points: Floats, axis: Ints, lattice: Floats) -> Floats:
+    """Crossings by halving their edges: between values of very unlike size false position comes to a halt."""
+    index, which = (points - lattice[:3, None]) / lattice[3:, None], np.arange(len(axis))
+    ends, along = np.rint(index), np.zeros(points.shape)
+    ends[axis, which], along[axis, which] = np.floor(index[axis, which] + ZERO), 1.0
+
+    def inside(step: Floats) -> Flags:
+        return np.asarray(leaves.active(lattice[:3, None] + lattice[3:, None] * (ends + step * along))[0] >= 0)
+
+    low, high = np.zeros(len(axis)), np.ones(len(axis))
+    above = inside(low) == inside(high)  # a crossing at the upper end of its edge, the lower one of the next
+    low, high = low - above, high - above
+    first = inside(low)
+    found = first != inside(high)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        same = inside(middle) == first
+        low, high = np.where(same, middle, low), np.where(same, high, middle)
+    halved = lattice[:3, None] + lattice[3:, None] * (ends + high * along)
+    return np.where(found, halved, points)
+
+
+def _crossed(leaves: CompiledLeaves, points: Floats, leaf: Shorts, axis: Ints, lattice: Floats) -> Shorts:
+    """Of crossings the leaf whose sign changes, of those that are active right before and behind; else the known one.
+
+    A leaf may be so steep that next to its zero another one is the smaller: which of them is crossed its sign tells.
+    """
+    step = np.zeros(points.shape)
+    step[axis, np.arange(len(axis))] = ASIDE * lattice[3:][axis]
+    sides = points - step, points + step
+    (before, first), (_, second) = (leaves.active(side) for side in sides)
+    result = leaf.copy()
+    for candidate in (np.where(before < 0, second, first), np.where(before < 0, first, second)):
+        values = [leaves.evaluate(candidate, side)[0] for side in sides]
+        result = np.where((values[0] < 0) != (values[1] < 0), candidate, result)
+    return np.asarray(result, np.int16)
 
 
 def _on_edges(

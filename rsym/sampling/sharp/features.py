@@ -66,13 +66,18 @@ class Feature:
 
 
 def features_of(
-    vertices: Floats, faces: Integers, leaf: Integers, leaves: Sequence[str], normals: Callable[[Integers], Floats]
+    vertices: Floats,
+    faces: Integers,
+    leaf: Integers,
+    part: Integers,
+    parts: Sequence[str],
+    normals: Callable[[Integers], Floats],
 ) -> tuple[Feature, ...]:
-    """The features of a mesh, in the order of their first vertices.
+    """The features of a mesh, in the order of their first vertices; where a part beside one ends, so does the feature.
 
     Parameters
     ----------
-    vertices, faces, leaf, leaves
+    vertices, faces, leaf, part, parts
         As in a mesh.
     normals : callable
         Numbers of faces (k,) to the unit normals of their corners (k, 3, 3).
@@ -82,20 +87,21 @@ def features_of(
     >>> roof = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1], [1, 1, 1], [0, 2, 0], [1, 2, 0.0]])
     >>> slopes = np.array([[0, 1, 2], [1, 3, 2], [2, 3, 4], [3, 5, 4]])
     >>> normals = np.array([[0, -1, 1], [0, 1, 1]])[:, None].repeat(3, axis=1) / 2**0.5
-    >>> features_of(roof, slopes, np.array([0, 0, 1, 1]), ("south", "north"), lambda faces: normals[faces // 2])
+    >>> features_of(roof, slopes, *[np.array([0, 0, 1, 1])] * 2, ("south", "north"), lambda faces: normals[faces // 2])
     (Feature('south' | 'north', 2 points, open, 90°),)
     """
-    seams = _seams(faces, leaf, len(vertices))
+    _, side = np.unique(leaf.astype(np.int64) * len(parts) + part, return_inverse=True)
+    seams = _seams(faces, leaf, side.reshape(-1), len(vertices))
     if not len(seams.start):
         return ()
     beside = _beside(seams, normals)
     found = []
     for chain in _chains(seams):
         line = np.append(seams.start[chain], seams.end[chain[-1]])
-        first, second = (int(leaf[side[chain[0]] // 3]) for side in (seams.left, seams.right))
-        names = leaves[first], leaves[second]
+        first, second = (int(half[chain[0]] // 3) for half in (seams.left, seams.right))
         both = np.concatenate([beside[chain, 0], beside[chain[-1:], 1]])
-        found.append(Feature(vertices[line], (first, second), names, both))
+        names = parts[part[first]], parts[part[second]]
+        found.append(Feature(vertices[line], (int(leaf[first]), int(leaf[second])), names, both))
     return tuple(found)
 
 
@@ -112,7 +118,8 @@ class _Seams(NamedTuple):
     pair: Integers
 
 
-def _seams(faces: Integers, leaf: Integers, count: int) -> _Seams:
+def _seams(faces: Integers, leaf: Integers, side: Integers, count: int) -> _Seams:
+    """Where the leaves of faces differ; by `side` those of one leaf are told apart."""
     # Any one leaf of each vertex: faces that disagree with it find all vertices of two leaves, and few edges are left.
     one = np.zeros(count, leaf.dtype)
     one[faces] = leaf[:, None]
@@ -130,7 +137,8 @@ def _seams(faces: Integers, leaf: Integers, count: int) -> _Seams:
     on_a, on_b = leaf[half[a] // 3], leaf[half[b] // 3]
     seam = (on_a != on_b) & (tail[a] == head[b])
     left, right = np.where(on_a < on_b, a, b)[seam], np.where(on_a < on_b, b, a)[seam]
-    pair = np.minimum(on_a, on_b)[seam].astype(np.int64) << 16 | np.maximum(on_a, on_b)[seam]
+    one, other = side[half[a] // 3][seam], side[half[b] // 3][seam]
+    pair = np.minimum(one, other) << 32 | np.maximum(one, other)
     return _Seams(tail[left], head[left], half[left], half[right], pair)
 
 

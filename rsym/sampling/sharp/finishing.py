@@ -78,14 +78,19 @@ class Reworked:
 def finish(kernels: MesherKernels, surface: Unfinished, lattice: Floats, pool: Executor | None) -> Finished:
     """The triangles of quads: 2*e and 2*e + 1 of quad e, on leaf e; points and faces are changed in place."""
     made = rework(kernels, surface, lattice, pool)
-    if not len(made.faces):
-        raise RsymError(
-            "the body has no extent: its surface is points and curves",
-            code="no-surface",
-            remedy="check bounds and letters; take a higher resolution if the body is thin",
-        )
+    if 2 * len(made.faces) < len(surface.faces):
+        raise nothing_left()
     whole = Finished(made.vertices, made.faces, made.leaf)
     return whole if made.remain is None else whole.renumbered()
+
+
+def nothing_left() -> RsymError:
+    """Of a surface most was folds, which had to go: it says nothing of the body."""
+    return RsymError(
+        "at this resolution most of the surface folds onto itself, and nothing of the body is left of it",
+        code="no-surface",
+        remedy="take a higher resolution; if that is of no help the body may be points and curves: check its letters",
+    )
 
 
 def rework(

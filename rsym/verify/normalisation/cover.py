@@ -9,27 +9,30 @@ holds for all p in B. On the boundary omega(p) = 0, so it encloses F there. If F
 grad F is a multiple of grad omega there; with c that multiple at m both terms are of second order in the width of B.
 Only boxes where omega cannot vanish are left out: there is no sampling in the argument. The values come from the
 interval backend, all boxes of a level at once; whether omega is analytic on a box is decided with balls.
+Where operations keep the order, each leaf that may vanish on a box stands for omega (see `leaves`).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Flags, Floats
 from rsym.backends.registry import default_backend
 from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import Bounds, IntervalFunction
-from rsym.logic.stripping import bare
+from rsym.logic.stripping import Signed, bare, factor
 from rsym.program.builder import Builder
 from rsym.sampling.progress import Effort
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISION, Box, side
 from rsym.verify.cover.covering import OFF_CENTRE
 from rsym.verify.normalisation.derivatives import NormalDerivatives
+from rsym.verify.normalisation.leaves import LeafGate, active, crosses
 
 COARSEST = 8  # boxes along the extent before a bound is tried: on wider ones it would be in vain
 # Nodes of the deviations and their gradients. The program of their bounds has a dozen times as many: at the first
@@ -43,12 +46,13 @@ ROUNDING, TINY = 1e-14, 1e-300
 class NormalCover:
     """Boxes (n, dim, 2) with proved bounds and those without.
 
-    `bounds` are the largest proved, order by order, for as many orders as were tried; `exhausted` says that the
-    number of boxes allowed was used up.
+    `bounds` are the largest proved, order by order, for as many orders as were tried; they hold on `crossed`, a part
+    of `covered`, but where leaves meet; `exhausted` says that the number of boxes allowed was used up.
     """
 
     bounds: list[float]
     covered: Floats
+    crossed: Floats
     uncovered: Floats
     examined: int
     exhausted: bool
@@ -61,7 +65,8 @@ def feasible_order(derivatives: NormalDerivatives) -> int:
 
 
 def cover_boundary(
-    derivatives: NormalDerivatives,
+    tree: LeafGate | int,
+    leaves: Sequence[NormalDerivatives],
     bounds: Box,
     *,
     tolerance: float,
@@ -71,41 +76,67 @@ def cover_boundary(
 ) -> NormalCover:
     """Subdivide until every box is free of the boundary, has bounds below the tolerance, or is too small.
 
-    `work` limits the number of boxes times nodes; it is spent as well when the time is over.
+    `tree` is how omega is made of its leaves. `work` limits the number of boxes times nodes; it is spent as well when
+    the time is over.
     """
     effort, allowed = effort or Effort(), work
-    enclosure = Enclosure(derivatives, feasible_order(derivatives))
+    order = min(map(feasible_order, leaves))
+    enclosures = [Enclosure(leaf, order) for leaf in leaves]
     region = np.array(bounds, np.float64)
     extent = float((region[:, 1] - region[:, 0]).max())
-    boxes, analytic, examined = halves(region[None], OFF_CENTRE), np.zeros(2 ** len(region), bool), 0
-    limits, covered, uncovered = np.zeros(enclosure.order), [region[None][:0]], [region[None][:0]]
+    boxes, examined = halves(region[None], OFF_CENTRE), 0
+    analytic = np.zeros((len(boxes), len(leaves)), bool)
+    limits, none = np.zeros(order), region[None][:0]
+    covered, crossed, uncovered = [none], [none], [none]
     while len(boxes) and work > 0:
         effort.reach(1 - work / allowed)
         if effort.is_over:
             work = 0.0
             break
         examined += len(boxes)
-        work -= len(boxes) * enclosure.level_cost
+        work -= len(boxes) * sum(enclosure.level_cost for enclosure in enclosures)
         width = float((boxes[:, :, 1] - boxes[:, :, 0]).max())
-        kept = ~enclosure.is_free(boxes)
-        boxes, analytic = boxes[kept], analytic[kept]
+        needed = active(tree, [enclosure.level(boxes) for enclosure in enclosures])
+        kept = needed.any(axis=1)
+        boxes, analytic, needed = boxes[kept], analytic[kept], needed[kept]
         if width * COARSEST <= extent:
-            analytic = _analytic(derivatives, boxes, analytic)
-            work -= 2 * analytic.sum() * enclosure.cost
+            for enclosure, known, used in zip(enclosures, analytic.T, needed.T, strict=True):
+                known[used] = enclosure.are_analytic(boxes[used], known[used])
+            work -= 2 * sum((needed & analytic).sum(axis=0) * [enclosure.cost for enclosure in enclosures])
             if work > 0:
-                found = np.full((len(boxes), enclosure.order), math.inf)
-                found[analytic] = enclosure.deviations(boxes[analytic])
+                found = _deviations(enclosures, boxes, needed, analytic)
                 settled = (found <= tolerance).all(axis=1)
                 limits = np.maximum(limits, found[settled].max(axis=0, initial=0.0))
                 covered.append(boxes[settled])
+                crossed.append(boxes[settled & (needed.sum(axis=1) > 1)])
                 boxes, analytic = boxes[~settled], analytic[~settled]
         if width <= smallest:
             uncovered.append(boxes)
             boxes = boxes[:0]
         if work > 0:
-            boxes, analytic = halves(boxes, 0.5), np.repeat(analytic, 2 ** len(region))
+            boxes, analytic = halves(boxes, 0.5), np.repeat(analytic, 2 ** len(region), axis=0)
     left = np.concatenate([*uncovered, boxes])
-    return NormalCover(list(map(float, limits)), np.concatenate(covered), left, examined, len(boxes) > 0)
+    return NormalCover(
+        list(map(float, limits)), np.concatenate(covered), np.concatenate(crossed), left, examined, len(boxes) > 0
+    )
+
+
+def _deviations(enclosures: Sequence[Enclosure], boxes: Floats, needed: Flags, analytic: Flags) -> Floats:
+    """Bounds of the deviations of all leaves needed on boxes, (n, order), infinite where two are not known to cross."""
+    found = np.zeros((len(boxes), enclosures[0].order))
+    gradients = np.full((len(enclosures), 2, boxes.shape[1], len(boxes)), math.nan)
+    for enclosure, gradient, used, known in zip(enclosures, gradients, needed.T, analytic.T, strict=True):
+        found[used & ~known] = math.inf
+        used = used & known
+        sizes, gradient[:, :, used] = enclosure.deviations(boxes[used])
+        found[used] = np.maximum(found[used], sizes)
+    for first, second in combinations(range(len(enclosures)), 2):
+        both = needed[:, first] & needed[:, second]
+        if both.any():
+            found[both] = np.where(
+                crosses(gradients[first][..., both], gradients[second][..., both])[:, None], found[both], math.inf
+            )
+    return found
 
 
 class Enclosure:
@@ -114,9 +145,11 @@ class Enclosure:
     def __init__(self, derivatives: NormalDerivatives, order: int) -> None:
         builder = derivatives.model.builder
         self.size, self.order, self.cost = derivatives.size, order, derivatives.cost(order)
-        level = builder.program({"level": level_node(builder, derivatives.model.root)})
+        self._leaf = derivatives
+        number, self._sign = level_of(builder, derivatives.root)
+        level = builder.program({"level": number})
         self.level_cost = len(level)
-        outputs = {"value": derivatives.model.root, "squared": derivatives.squared}
+        outputs = {"value": derivatives.root, "squared": derivatives.squared}
         outputs |= {f"gradient_{axis}": node for axis, node in enumerate(derivatives.gradient)}
         for k in range(order):
             outputs[f"deviation_{k}"] = derivatives.deviations[k]
@@ -127,24 +160,32 @@ class Enclosure:
             builder.program(outputs), default_backend() if self.cost <= COMPILED else "numpy"
         )
 
-    def is_free(self, boxes: Floats) -> NDArray[np.bool_]:
-        """On which boxes (n, dim, 2) omega is certainly nowhere zero."""
+    def level(self, boxes: Floats) -> tuple[Floats, Floats]:
+        """Bounds over boxes (n, dim, 2) of what is zero where the leaf is, and has its sign."""
         lower, upper = self._on(self._level, boxes)["level"]
-        found: NDArray[np.bool_] = (lower > 0) | (upper < 0)
-        return found
+        return (lower, upper) if self._sign > 0 else (-upper, -lower)
+
+    def are_analytic(self, boxes: Floats, known: Flags) -> Flags:
+        """On which boxes the leaf is certainly analytic; parts of a box on which it is need no second look."""
+        pairs = zip(boxes, known, strict=True)
+        return np.array([before or is_analytic(self._leaf, box) for box, before in pairs], bool)
 
     def _on(self, function: IntervalFunction, boxes: Floats) -> Bounds:
         return function(list(boxes[:, :, 0].T), list(boxes[:, :, 1].T), self._letters)
 
-    def deviations(self, boxes: Floats) -> Floats:
-        """Bounds of the deviations on the boundary in boxes on which omega is analytic, (n, order)."""
+    def deviations(self, boxes: Floats) -> tuple[Floats, Floats]:
+        """Bounds of the deviations where the leaf vanishes in boxes on which it is analytic, (n, order).
+
+        And the least and the greatest components of its gradient, (2, dim, n).
+        """
         middle = boxes.mean(axis=2)
         reach = np.maximum(boxes[:, :, 1] - middle, middle - boxes[:, :, 0])
         whole = self._on(self._function, boxes)
         at = self._on(self._function, np.repeat(middle[:, :, None], 2, axis=2))
         with np.errstate(all="ignore"):
             found = np.stack([self._deviation(k, reach, whole, at) for k in range(self.order)], axis=1)
-        return np.where(np.isnan(found) | (whole["squared"][0] <= 0)[:, None], math.inf, found)
+        gradient = np.array([[whole[f"gradient_{axis}"][end] for axis in range(self.size)] for end in (0, 1)])
+        return np.where(np.isnan(found) | (whole["squared"][0] <= 0)[:, None], math.inf, found), gradient
 
     def _deviation(self, k: int, reach: Floats, whole: Bounds, at: Bounds) -> Floats:
         slopes = [f"slope_{k}_{axis}" for axis in range(self.size)]
@@ -178,27 +219,25 @@ def difference(first: tuple[Floats, Floats], multiple: Floats, second: tuple[Flo
     return np.maximum(np.abs(low), np.abs(high)), sizes
 
 
-def level_node(builder: Builder, number: int) -> int:
-    """A simpler node that is zero wherever this one is: omega of omega/sqrt(omega**2 + q), without constant factors."""
+def level_of(builder: Builder, number: int) -> Signed:
+    """A simpler node that vanishes wherever this one does, and the sign that makes it positive where this one is.
+
+    Without constant factors, and omega of omega/sqrt(omega**2 + q).
+    """
+    sign = 1
     while True:
-        number = bare(builder, number)
+        number, sign = bare(builder, number), sign * factor(builder, number)
         operation, arguments, _ = builder.nodes[number]
         if operation != "normalised":
-            return number
+            return Signed(number, sign)
         number = arguments[0]
 
 
-def _analytic(derivatives: NormalDerivatives, boxes: Floats, known: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """On which boxes omega is certainly analytic; parts of a box on which it is need no second look."""
-    pairs = zip(boxes, known, strict=True)
-    return np.array([before or is_analytic(derivatives, box) for box, before in pairs], bool)
-
-
 def is_analytic(derivatives: NormalDerivatives, box: Floats) -> bool:
-    """Whether omega is certainly analytic on the box."""
+    """Whether the function is certainly analytic on the box."""
     with ctx.workprec(PRECISION):
         local = derivatives.model.on([side(float(low), float(high)) for low, high in box])
-        return generators(local, derivatives.model.root).analytic
+        return generators(local, derivatives.root).analytic
 
 
 def halves(boxes: Floats, share: float) -> Floats:

@@ -29,13 +29,13 @@ MANY = 10_000  # nodes that nobody wants to differentiate once more
 
 
 class NormalDerivatives:
-    """The deviations of orders 1 to m of a model from a normalised function."""
+    """The deviations of orders 1 to m of a node of a model, its root if none is named, from a normalised function."""
 
-    def __init__(self, model: Model, order: int) -> None:
-        self.model = model
+    def __init__(self, model: Model, order: int, root: int | None = None) -> None:
+        self.model, self.root = model, model.root if root is None else root
         builder = model.builder
         self.size = len(builder.coordinates)
-        found = partials(model.root, order, builder.coordinates, partial(derivative, builder))
+        found = partials(self.root, order, builder.coordinates, partial(derivative, builder))
         self.gradient = [found[unit_index(self.size, axis)] for axis in range(self.size)]
         self.squared = dot(builder, self.gradient, self.gradient)
         root = builder.sqrt(self.squared)
@@ -62,7 +62,7 @@ class NormalDerivatives:
     @cached_property
     def program(self) -> Program:
         """Value, gradient and deviations."""
-        names = {"value": self.model.root}
+        names = {"value": self.root}
         names |= {f"gradient_{axis}": node for axis, node in enumerate(self.gradient)}
         names |= {f"deviation_{k}": node for k, node in enumerate(self.deviations, 1)}
         return self.model.builder.program(names)

@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.sampling.contours import level_lines
 from rsym.sampling.lattice import bounds_of, lattice_over
+from rsym.sampling.level_lines import level_lines
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
 from rsym.verify.boxes.local import Box, Model
 from rsym.verify.normalisation.cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normalisation.derivatives import NormalDerivatives
+from rsym.verify.normalisation.leaves import LeafGate, leaves_of
 from rsym.verify.normalisation.places import breaks, enclosed, inside, onto_boundary, thinned, zoomed
 from rsym.verify.normalisation.report import NormalDerivative, NormalisationReport
 
@@ -52,6 +54,8 @@ def verify_normalisation(
        others a mean value form bounds the deviations on the part of the box with omega = 0. Bounds below the
        tolerance on all of them certify. Boxes on which omega is not analytic, or that grow too small or
        too many, are left uncovered, and named.
+    3. At corners and edges omega has no gradient; the verdict is on the boundary without them, and says so. Near one
+       each leaf is bounded by itself, if the operations keep the order, and leaves are proved to cross.
 
     Parameters
     ----------
@@ -115,10 +119,11 @@ def verify_normalisation(
     worst = _worst(derivatives, points[regular], cell, box)
     refuted = any(place.proved and abs(place.deviation) - place.error > tolerance for place in worst)
     found, none = None, np.empty((0, len(box), 2))
-    if not refuted and feasible_order(derivatives):
+    tree, leaves = _leaves(shape, derivatives, order)
+    if not refuted and all(map(feasible_order, leaves)):
         effort.begin("boxes", Stages.TOTAL)
         smallest = SMALLEST * extent
-        found = cover_boundary(derivatives, box, tolerance=tolerance, smallest=smallest, work=work, effort=effort)
+        found = cover_boundary(tree, leaves, box, tolerance=tolerance, smallest=smallest, work=work, effort=effort)
         effort.finish()
         if not found.exhausted:
             singular.append(found.uncovered.mean(axis=2))
@@ -129,6 +134,7 @@ def verify_normalisation(
         worst=worst,
         proved_bounds=_proved(found, order),
         covered=none if found is None else found.covered,
+        crossed=none if found is None else found.crossed,
         uncovered=none if found is None else found.uncovered,
         singular=thinned(np.vstack(singular), 4 * cell),
         bounds=box,
@@ -137,7 +143,7 @@ def verify_normalisation(
         examined=0 if found is None else found.examined,
         statements=(
             *((remark, False) for remark in remarks),
-            *([] if refuted else _statements(derivatives, found)),
+            *([] if refuted else _statements(leaves, found)),
             *effort.statements,
         ),
     )
@@ -159,6 +165,13 @@ def _model(shape: Shape, letters: Mapping[Any, Any] | None) -> Model:
             f"the letter {ranges[0]} has a range; verify_normalisation takes numbers", code="range", remedy="a number"
         )
     return Model(shape, values)
+
+
+def _leaves(shape: Shape, derivatives: NormalDerivatives, order: int) -> tuple[LeafGate | int, list[NormalDerivatives]]:
+    """How leaves make up omega to an order, and the derivatives of each occurrence of a leaf."""
+    tree, nodes = leaves_of(derivatives.model, without_zeros(shape.expression), order)
+    made = {node: NormalDerivatives(derivatives.model, order, node) for node in set(nodes) - {derivatives.root}}
+    return tree, [made.get(node, derivatives) for node in nodes]
 
 
 def _boundary(
@@ -206,11 +219,12 @@ def _verdict(worst: Sequence[NormalDerivative], found: NormalCover | None) -> st
     return CERTIFIED if complete and any(place.proved for place in worst) else UNDECIDED
 
 
-def _statements(derivatives: NormalDerivatives, found: NormalCover | None) -> list[tuple[str, bool]]:
+def _statements(leaves: Sequence[NormalDerivatives], found: NormalCover | None) -> list[tuple[str, bool]]:
     result = []
-    tried = feasible_order(derivatives)
-    if tried < len(derivatives.deviations):
-        text = f"no bound is sought for order {tried + 1} and above: {derivatives.cost(tried + 1)} nodes are too many"
+    largest = min(leaves, key=feasible_order)
+    tried = feasible_order(largest)
+    if tried < len(largest.deviations):
+        text = f"no bound is sought for order {tried + 1} and above: {largest.cost(tried + 1)} nodes are too many"
         result.append((text, False))
     if found is None:
         return result

@@ -38,11 +38,12 @@ class NormalisationReport(Report):
     """The answer to the question whether a function is normalised to an order on its boundary.
 
     verdict : "CERTIFIED", the deviations of all orders are proved to be at most `tolerance` in size all along the
-        boundary; "REFUTED", one is proved to be larger; "DEGENERATE", it is proved that there is no boundary;
-        "UNDECIDED", nothing of this.
+        boundary but at its corners and edges, where omega has no gradient; "REFUTED", one is proved to be larger;
+        "DEGENERATE", it is proved that there is no boundary; "UNDECIDED", nothing of this.
     worst : the largest deviation found of each order, by sampling: larger ones are not excluded by that.
     proved_bounds : no deviation of an order is larger on the boundary in `covered`; NaN where no bound was sought.
     covered, uncovered : boxes (n, dim, 2) that hold all of the boundary within `bounds`.
+    crossed : those of `covered` in which leaves may meet at corners or edges, to which no bound applies.
     singular : points (n, dim) of the boundary where omega has no gradient or a zero one, where normals break or
         where no bound could be proved however small the box: numerical places, one for a group.
     samples : how many points of the boundary were sampled.
@@ -64,6 +65,7 @@ class NormalisationReport(Report):
     worst: tuple[NormalDerivative, ...]
     proved_bounds: tuple[float, ...]
     covered: NDArray[np.float64]
+    crossed: NDArray[np.float64]
     uncovered: NDArray[np.float64]
     singular: NDArray[np.float64]
     bounds: tuple[tuple[float, float], ...]
@@ -74,7 +76,7 @@ class NormalisationReport(Report):
 
     def document(self) -> Document:
         """All that the report says."""
-        boxes = {"covered": len(self.covered), "uncovered": len(self.uncovered)}
+        boxes = {"covered": len(self.covered), "crossed": len(self.crossed), "uncovered": len(self.uncovered)}
         return Document(
             "normalisation-report",
             self._headline(),
@@ -98,19 +100,25 @@ class NormalisationReport(Report):
 
     def to_json(self, *, boxes: bool = False) -> str:
         """The report for programs, null where a number is unknown or has no bound; `boxes` lists all of the proof."""
-        lists = {"covered": self.covered, "uncovered": self.uncovered} if boxes else {}
+        lists = {"covered": self.covered, "crossed": self.crossed, "uncovered": self.uncovered} if boxes else {}
         return as_json(self.document(), **lists)
 
     def _headline(self) -> Sentence:
         what = within("omega", self.bounds, letters_text(self.letters))
         limit = f"to order {self.order} within {number(self.tolerance)}"
         answers = {
-            CERTIFIED: f"{what} is normalised {limit} all along its boundary; this is proved",
+            CERTIFIED: f"{what} is normalised {limit} all along its boundary{self._apart()}; this is proved",
             REFUTED: f"{what} is not normalised {limit}; this is proved",
             DEGENERATE: f"{what} has no boundary; this is proved",
         }
         undecided = f"whether {what} is normalised {limit} is neither proved nor refuted"
         return Sentence(f"{self.verdict}: {answers.get(self.verdict, undecided)}.", self.verdict in answers)
+
+    def _corners(self) -> str:
+        return "corners" if len(self.bounds) == 2 else "edges and corners"
+
+    def _apart(self) -> str:
+        return f" but at its {self._corners()}" if len(self.crossed) else ""
 
     def _worst_found(self) -> Iterator[Sentence]:
         for place in self.worst:
@@ -133,6 +141,11 @@ class NormalisationReport(Report):
             limits = " and ".join(f"|{_name(k)}| <= {at_most(bound)}" for k, bound in bounds if math.isfinite(bound))
             boxes = plural(len(self.covered), "box", "boxes")
             yield Sentence(f"Proved: {limits} at all of the boundary in {boxes}.", True)
+        if len(self.crossed):
+            boxes = plural(len(self.crossed), "of these boxes holds", "of these boxes hold")
+            yield Sentence(
+                f"{boxes} the {self._corners()} at most, where leaves cross and omega has no gradient.", True
+            )
         if self.examined and len(self.uncovered):
             boxes = plural(len(self.uncovered), "other box", "other boxes")
             yield Sentence(f"Nothing is proved in {boxes}.", False)

@@ -1,0 +1,157 @@
+"""Where a leaf has a value: a leaf with roots or logarithms is the minimum of what must be positive and a total leaf.
+
+Kleene's logic says what is known where a leaf has no value: true or unknown is true, false and unknown is false. The
+points that are surely inside are those of the form with each leaf f as min(d, f~): d is the domain, 9 - x**2 of
+sqrt(9 - x**2) - y, and f~ is f with roots and logarithms of absolute values, which has a value everywhere and is f
+where d > 0. So the domain is a leaf like others, a *wall*: there the body ends, though omega is not zero. Where f ends
+at a wall it is there a formula without the root, its *limit*: the end is a common zero of that and of the domain.
+Source: Kleene (1952), section 64.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from fractions import Fraction
+
+from rsym.logic.stripping import bare, factor
+from rsym.program.builder import Builder
+from rsym.program.program import live
+
+INFINITE = Fraction(10**9)  # no bound
+ROOTS = ("sqrt", "log", "pow")
+_OWN = {
+    "neg",
+    "add",
+    "mul",
+    "div",
+    "sqrt",
+    "abs",
+    "select",
+    "normalised",
+    "zero_with",
+    "absolute_power",
+    "signed_power",
+}
+
+
+def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
+    """A leaf as the minimum of its walls and of a leaf that has a value everywhere; the leaf itself if it has one.
+
+    What `guards` say is positive where the leaf counts is no wall.
+
+    Examples
+    --------
+    >>> b = Builder(("x", "y"), ())
+    >>> made = bounded(b, b.sub(b.sqrt(b.input("x")), b.input("y")))
+    >>> b.nodes[made].operation, b.walls[b.input("x")] == {b.nodes[made].arguments[1]: b.neg(b.input("y"))}
+    ('min', True)
+    """
+    ends: dict[int, list[int]] = {}
+    for part in live(builder.nodes, [leaf]):
+        domain = _domain(builder, part)
+        if domain is not None:
+            ends.setdefault(domain, []).append(part)
+    if not ends:
+        return leaf
+    every = {part: domain for domain, parts in ends.items() for part in parts}
+    total = replaced(builder, leaf, every, within=True)
+    known = {(bare(builder, guard), factor(builder, guard)) for guard in guards}
+    made = total
+    for domain, parts in ends.items():
+        if (bare(builder, domain), factor(builder, domain)) not in known:
+            wall = replaced(builder, domain, every, within=True)
+            builder.walls.setdefault(wall, {})[total] = _limit(builder, leaf, parts, ends)
+            made = builder.make("min", wall, made)
+    return made
+
+
+def _domain(builder: Builder, part: int) -> int | None:
+    """The node that is not negative where an operation has a value; None where that is everywhere, or for letters."""
+    operation, arguments, _ = builder.nodes[part]
+    if operation == "pow" and (builder.value(arguments[1]) or Fraction(1)).denominator == 1:
+        return None  # of the exponents that a letter may have some are whole
+    if operation not in ROOTS or builder.uniform[arguments[0]]:
+        return None
+    return None if lowest(builder, arguments[0]) >= 0 else arguments[0]
+
+
+def _limit(builder: Builder, leaf: int, parts: Collection[int], ends: Mapping[int, Collection[int]]) -> int | None:
+    """What the leaf is on a wall; None where it has no limit."""
+    zero: dict[int, int] = {}
+    for part in parts:
+        operation, arguments, _ = builder.nodes[part]
+        if operation == "log" or (operation == "pow" and (builder.value(arguments[1]) or 0) < 0):
+            return None
+        zero[part] = builder.const(0)
+    others = {part: domain for domain, rest in ends.items() for part in rest if part not in zero}
+    return replaced(builder, replaced(builder, leaf, zero), others, within=True)
+
+
+def replaced(builder: Builder, number: int, substitutes: Mapping[int, int], *, within: bool = False) -> int:
+    """A node with others in the place of some parts; `within`, with their sizes as first arguments of these parts."""
+    made: dict[int, int] = {}
+    for part in live(builder.nodes, [number]):
+        operation, arguments, data = builder.nodes[part]
+        inner = [made[argument] for argument in arguments]
+        if part in substitutes and not within:
+            made[part] = substitutes[part]
+            continue
+        if part in substitutes:
+            inner[0] = builder.abs(inner[0])
+        if tuple(inner) == arguments:
+            made[part] = part
+        elif operation == "powi":
+            assert isinstance(data, int)
+            made[part] = builder.powi(inner[0], data)
+        elif operation in _OWN:
+            made[part] = getattr(builder, operation)(*inner)
+        else:
+            made[part] = builder.make(operation, *inner, data=data)
+    return made[number]
+
+
+def lowest(builder: Builder, number: int) -> Fraction:
+    """A number below which a node never is, by its form, where it has a value.
+
+    Examples
+    --------
+    >>> b = Builder(("x",), ())
+    >>> x = b.input("x")
+    >>> lowest(b, b.add(b.square(x), b.const(-3))), lowest(b, b.sub(b.const(1), b.make("cos", x)))
+    (Fraction(-3, 1), Fraction(0, 1))
+    """
+    ranges: dict[int, tuple[Fraction, Fraction]] = {}
+    for part in live(builder.nodes, [number]):
+        low, high = _range(builder, part, ranges)
+        least = Fraction(0) if builder.nonnegative[part] else -INFINITE
+        ranges[part] = max(low, least), min(high, INFINITE)
+    low = ranges[number][0]
+    return low
+
+
+def _range(builder: Builder, part: int, ranges: Mapping[int, tuple[Fraction, Fraction]]) -> tuple[Fraction, Fraction]:
+    operation, arguments, _ = builder.nodes[part]
+    inner = [ranges[argument] for argument in arguments]
+    value = builder.value(part)
+    if value is not None:
+        return value, value
+    if operation in {"sin", "cos", "erf"}:
+        return Fraction(-1), Fraction(1)
+    if operation == "neg":
+        return -inner[0][1], -inner[0][0]
+    if operation in {"min", "max"}:
+        choose = min if operation == "min" else max
+        return choose(inner[0][0], inner[1][0]), choose(inner[0][1], inner[1][1])
+    if operation == "exp" or any(max(map(abs, ends)) >= INFINITE for ends in inner):
+        half_open = operation == "add" and inner[0][0] > -INFINITE and inner[1][0] > -INFINITE
+        low = inner[0][0] + inner[1][0] if half_open else -INFINITE
+        if operation == "add" and inner[0][1] < INFINITE and inner[1][1] < INFINITE:
+            return low, inner[0][1] + inner[1][1]
+        positive = operation in {"mul", "div"} and all(ends[0] >= 0 for ends in inner)
+        return (Fraction(0) if positive or operation == "exp" else low), INFINITE
+    if operation == "add":
+        return inner[0][0] + inner[1][0], inner[0][1] + inner[1][1]
+    if operation == "mul":
+        products = [a * b for a in inner[0] for b in inner[1]]
+        return min(products), max(products)
+    return -INFINITE, INFINITE

@@ -1,0 +1,154 @@
+"""Leaves that jump, as gates: where a condition decides between two formulas its own zeros are the boundary.
+
+A leaf that is f where c > 0 and g where c < 0 has there the sign of max(min(c, f), min(-c, g), min(f, g)): the last
+term keeps it positive on c = 0 where both are. So sign(f) is the leaf f, and a Piecewise of 1 and -1 its condition.
+Choices that are continuous stay in their leaf, which is one surface then.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable, Collection
+from typing import Any
+
+from rsym.backends.interpreter import interpret
+from rsym.logic.domains import ROOTS, bounded, lowest, replaced
+from rsym.logic.stripping import formal_sign
+from rsym.program.builder import Builder
+from rsym.program.operations import OPERATIONS
+from rsym.program.program import live
+
+MOST_STEPS = 8  # within each other: each may double a leaf
+POINTS, HALVINGS = 256, 60
+CONTINUOUS = 1e-9  # of its size, a step that rounding may make
+SIZES = (1.0, 10.0, 0.1, 100.0)
+
+
+def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable[[int, Collection[int]], int]) -> int:
+    """A leaf as gates of leaves that do not jump and have a value everywhere; `whole` does that for what has gates.
+
+    What `guards` say is positive where the leaf counts.
+    """
+    step = next(_steps(builder, leaf), None) if len(guards) < MOST_STEPS else None
+    if step is None:
+        return bounded(builder, leaf, guards)
+    operation, arguments, _ = builder.nodes[step]
+    if operation == "sign":
+        condition, yes, no = arguments[0], builder.const(1), builder.const(-1)
+    else:
+        over, under, yes, no = arguments
+        condition = builder.sub(over, under)
+    other = builder.neg(condition)
+    sides: list[tuple[int, int | None]] = []
+    for guard, branch in ((condition, yes), (other, no)):
+        chosen = replaced(builder, leaf, {step: branch})
+        sides.append((guard, None if _is_undefined(builder, chosen) else chosen))
+    for guard, only in sides:
+        if formal_sign(builder, guard) > 0 and only is not None:
+            return whole(only, guards)
+    kept = [(guard, chosen) for guard, chosen in sides if chosen is not None]
+    if not kept:
+        return builder.const(-1)
+    if len(kept) == 1:  # beyond the condition there is no value
+        ((guard, chosen),) = kept
+        builder.walls.setdefault(guard, {})
+        return sign_gate(builder, "min", whole(guard, ()), whole(chosen, guards))
+    made = [sign_gate(builder, "min", whole(guard, ()), whole(chosen, (*guards, guard))) for guard, chosen in kept]
+    both = sign_gate(builder, "min", *(whole(chosen, (*guards, guard)) for guard, chosen in kept))
+    return sign_gate(builder, "max", sign_gate(builder, "max", *made), both)
+
+
+def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
+    """The minimum or maximum for the sign alone: constants drop, of which one that is not positive is outside.
+
+    Examples
+    --------
+    >>> b = Builder(("x",), ())
+    >>> sign_gate(b, "min", b.input("x"), b.const(1)) == sign_gate(b, "max", b.const(0), b.input("x")) == b.input("x")
+    True
+    """
+    idle = 1 if operation == "min" else -1
+    for one, other in ((first, second), (second, first)):
+        value = builder.value(one)
+        if value is not None:
+            return other if (value > 0) == (idle > 0) else one
+    return first if first == second else builder.make(operation, first, second)
+
+
+def _steps(builder: Builder, leaf: int) -> Any:
+    """The choices in a leaf at which it jumps or whose sides are defined on their own, those of the outside first."""
+    for part in reversed(live(builder.nodes, [leaf])):
+        operation, arguments, _ = builder.nodes[part]
+        if operation == "sign" and not builder.uniform[part]:
+            if _jumps(builder, leaf, part, arguments[0], builder.const(1), builder.const(-1)):
+                yield part
+        elif operation == "select" and part in builder.steps:
+            condition, (yes, no) = builder.sub(*arguments[:2]), arguments[2:]
+            if builder.uniform[condition]:
+                continue
+            if _is_partial(builder, yes, no) or _jumps(builder, leaf, part, condition, yes, no):
+                yield part
+
+
+def _is_partial(builder: Builder, *numbers: int) -> bool:
+    """Whether one of some nodes may have no value somewhere, beside where its conditions have none."""
+    checks: dict[int, int] = {}
+    for part in live(builder.nodes, numbers):
+        operation, arguments, _ = builder.nodes[part]
+        if operation == "select" and part in builder.steps and formal_sign(builder, builder.sub(*arguments[:2])) > 0:
+            checks[part] = arguments[2]
+    for part in live(builder.nodes, [replaced(builder, number, checks) for number in numbers]):
+        operation, arguments, _ = builder.nodes[part]
+        if operation == "undefined":
+            return True
+        if operation in ROOTS and lowest(builder, arguments[0]) < 0:
+            return True
+    return False
+
+
+def _is_undefined(builder: Builder, number: int) -> bool:
+    """Whether a node has no value anywhere."""
+    found: dict[int, bool] = {}
+    for part in live(builder.nodes, [number]):
+        operation, arguments, _ = builder.nodes[part]
+        strict = OPERATIONS[operation].strict and any(found[argument] for argument in arguments)
+        found[part] = operation == "undefined" or strict
+    return found[number]
+
+
+def _jumps(builder: Builder, leaf: int, step: int, condition: int, yes: int, no: int) -> bool:
+    """Whether a leaf jumps where a condition in it changes its sign, as points show; so if none of these is found."""
+    if builder.value(condition) is not None:
+        return True
+    program = builder.program(
+        {"condition": condition, **{f"{k}": replaced(builder, leaf, {step: n}) for k, n in enumerate((yes, no))}}
+    )
+    chance = random.Random(20130605)
+    inputs = [[[chance.uniform(-1, 1) for _ in range(POINTS)] for _ in builder.coordinates] for _ in range(2)]
+    for rows in inputs:
+        for row in rows:
+            row[:] = [SIZES[k % len(SIZES)] * value for k, value in enumerate(row)]
+    letters = {name: [chance.uniform(0.5, 1.5)] * POINTS for name in builder.letters}
+
+    def at(shares: list[float]) -> Any:
+        places = [
+            [(1 - t) * a + t * b for t, a, b in zip(shares, *pair, strict=True)] for pair in zip(*inputs, strict=True)
+        ]
+        return interpret(program, {**dict(zip(builder.coordinates, places, strict=True)), **letters})
+
+    low, high = [0.0] * POINTS, [1.0] * POINTS
+    start, end = at(low)["condition"] + [0.0] * POINTS, at(high)["condition"] + [0.0] * POINTS
+    crossed = [bool(a * b < 0) for a, b in zip(start, end, strict=True)]
+    for _ in range(HALVINGS):
+        middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+        value = at(middle)["condition"] + [0.0] * POINTS
+        for k, (first, now) in enumerate(zip(start, value, strict=True)):
+            (low if first * now > 0 else high)[k] = middle[k]
+    found = at(low)
+    ups, downs = found["0"] + [0.0] * POINTS, found["1"] + [0.0] * POINTS
+    gaps = [
+        abs(up - down) > CONTINUOUS * (1 + abs(up) + abs(down))
+        for cross, up, down in zip(crossed, ups, downs, strict=True)
+        if cross and abs(up) + abs(down) < float("inf")
+    ]
+    return any(gaps) or not gaps

@@ -1,0 +1,122 @@
+"""A part is a place: equal leaves in several parts are told apart by what bounds the body at a point."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rsym
+from rsym import Shape, x, y, z
+from rsym.backends.kernel import compile_program
+from rsym.logic.faces import shape_faces
+from rsym.sampling.labels import Labeller
+
+SQUARES = rsym.rectangle(1, 1).named("A") | rsym.rectangle(1, 1).translate(2, 0).named("B")
+BOSS = rsym.box(2, 2, 1).named("plate") | rsym.cylinder(0.5, 1, (3, 0, 0)).named("boss")
+OVERLAP = rsym.box(2, 2, 1).named("A") | rsym.box(2, 2, 1).translate(0.7, 0.6, 0).named("B")
+
+
+def areas(mesh):
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    sizes = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    return {name: float(sizes[mesh.part == k].sum()) for k, name in enumerate(mesh.parts) if (mesh.part == k).any()}
+
+
+def parts(shape):
+    return {name: float(value) for name, value in rsym.measure(shape).parts.items()}
+
+
+def test_parts_with_leaves_in_common_have_faces_of_their_own():
+    assert parts(SQUARES) == pytest.approx({"A": 4, "B": 4}, rel=1e-12)
+    assert parts(BOSS) == pytest.approx({"plate": 16, "boss": 1.5 * math.pi}, rel=1e-11)
+    assert rsym.integrate(1, SQUARES, over="B") == pytest.approx(4, rel=1e-12)
+    assert rsym.quadrature(SQUARES, cells=8).boundary.of("B").weights.sum() == pytest.approx(4, rel=1e-12)
+    assert areas(rsym.mesh(BOSS, 24)) == pytest.approx({"plate": 16, "boss": 1.5 * math.pi}, rel=0.01)
+
+
+def test_where_faces_coincide_both_names_are_kept():
+    both = 2 * 1.3 * 1.4
+    own = 16 - both - 1.3 - 1.4  # two lids, and of the sides what the other box does not hide
+    truth = {"A": own, "A / B": both, "B": own}
+    assert parts(OVERLAP) == pytest.approx(truth, rel=1e-10)
+    assert areas(rsym.mesh(OVERLAP, 40)) == pytest.approx(truth, rel=0.03)
+    assert rsym.integrate(1, OVERLAP, over="A") == pytest.approx(own + both, rel=1e-10)
+    assert rsym.integrate(1, OVERLAP, over="A / B") == pytest.approx(both, rel=1e-10)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_name_does_not_depend_on_the_leaf_that_an_engine_found(turned):
+    # Two formulas of the plane z = 0: which one is found first depends on the engine.
+    lid = (Shape(-z, (x, y, z)) & rsym.cylinder(1, 4)).named("lid")
+    sheet = (Shape(other_plane(z), (x, y, z)) & rsym.box(6, 6, 4)).named("sheet")
+    body = (sheet | lid) if turned else (lid | sheet)
+    points = np.array([[0.2, 0.1, 0.0], [2.0, 0.1, 0.0]])
+    planes = [k for k, leaf in enumerate(shape_faces(body).form.leaves) if _vanishes(body, leaf, points)]
+    assert len(planes) == 2
+    for leaf in planes:
+        assert Labeller(body)(points, np.full(2, leaf)).each.tolist() == ["lid / sheet", "sheet"]
+
+
+def other_plane(u):
+    return -u * (2 + u)  # zero at u = 0, no multiple of u
+
+
+def _vanishes(body, leaf, points):
+    kernel = compile_program(shape_faces(body).form.builder.program({"leaf": leaf}), ("leaf",), body)
+    return (kernel(*points.T)["leaf"] == 0).all()
+
+
+def test_a_plane_that_is_a_part_by_itself_gives_its_name_to_no_side_of_another_part():
+    hole = rsym.cylinder(1).named("hole")
+    pin = rsym.cylinder(1, 2, (0, 0, 2)).named("pin")
+    body = (rsym.box(4, 4, 2).named("plate") - hole) | pin
+    points = np.array([[1.0, 0, 0.5], [1.0, 0, 2]])
+    faces = shape_faces(body)
+    bores = [k for k, face in enumerate(faces.faces) if face.parts == ("hole",)]
+    assert bores
+    assert [face.parts for face in faces.faces if face.parts[0] == "pin"] == [("pin",)] * 2
+    found = Labeller(body)(points, np.array([faces.faces[bores[0]].leaf] * 2))
+    assert found.each.tolist() == ["hole", "pin"]
+
+
+def test_nested_parts_and_parts_of_one_name_stay_as_they_were():
+    lens = (rsym.disc(2).named("rim") & Shape(x, (x, y))).named("half")
+    assert parts(lens) == pytest.approx({"rim": 2 * math.pi, "half": 4}, rel=1e-11)
+    pair = rsym.rectangle(1, 1).named("box") | rsym.rectangle(1, 1).translate(2, 0).named("box")
+    assert parts(pair) == pytest.approx({"box": 8}, rel=1e-12)
+    assert not shape_faces(pair).shared
+
+
+def test_what_has_no_name_is_called_by_its_formula_beside_a_part_that_has_the_leaf():
+    body = rsym.rectangle(1, 1).named("A") | rsym.rectangle(1, 1).translate(2, 0)
+    found = parts(body)
+    assert found.pop("A") == pytest.approx(4, rel=1e-12)
+    assert sum(found.values()) == pytest.approx(4, rel=1e-12)
+
+
+def test_points_are_drawn_on_the_part_that_was_asked_for():
+    on = rsym.sample(SQUARES, 400, over="B", rng=1)
+    assert set(on.parts.tolist()) == {"B"}
+    for axis, side in ((0, 1.5), (0, 2.5), (1, -0.5), (1, 0.5)):
+        assert (np.abs(on.points[:, axis] - side) < 1e-12).sum() > 60
+    space = rsym.sample(BOSS, 300, over="boss", rng=1, resolution=24)
+    assert (np.hypot(space.points[:, 0] - 3, space.points[:, 1]) < 0.5 + 1e-9).all()
+    assert (space.points[:, 2] > 0.5 - 1e-9).sum() > 20
+
+
+def test_features_end_where_the_part_beside_them_does():
+    found = rsym.mesh(BOSS, 24).features
+    assert {frozenset(one.names) for one in found} == {frozenset(["plate"]), frozenset(["boss"])}
+    assert len(found) == 14
+
+
+def test_rays_see_the_part_that_bounds_the_body():
+    image = rsym.render(BOSS, camera="top", size=(80, 60), colour_by="part")
+    assert list(image.parts) == ["plate", "boss"]
+    names = np.array([*image.parts, ""])[image.part]
+    there = image.points[..., 0]
+    assert set(names[there > 2].tolist()) == {"boss"}
+    assert set(names[there < 2].tolist()) == {"plate"}
+    both = rsym.render(OVERLAP, camera="top", size=(80, 60), colour_by="part")
+    seen = np.array([*both.parts, ""])[both.part][np.isfinite(both.points[..., 0])]
+    assert set(seen.tolist()) == {"A", "B", "A / B"}
