@@ -2,9 +2,9 @@
 
 Boxes in which the weight of a part is proved not to vanish, or that lie outside of the shape, are dropped, the others
 divided. In those left Newton's method goes to the zeros of a leaf, or to the common zeros of two, by steps of least
-norm; where two leaves are tangent it halves the distance at every step. What it finds counts if it lies on the
-boundary. That is some points of each meeting, in space too, to tell where data differ; `corners.common_zeros` proves
-that it has all of those in the plane, each once.
+norm; where two leaves are tangent it halves the distance at every step, until rounding may be more than the step: from
+there on chance would lead it. What it finds counts if it lies on the boundary. That is some points of each meeting, in
+space too, to tell where data differ; `corners.common_zeros` proves that it has all of those in the plane, each once.
 """
 
 from __future__ import annotations
@@ -33,9 +33,10 @@ DEEPEST = {2: 16, 3: 4}
 MOST, FEW = 4096, 512
 AT_A_GLANCE = 16  # boxes in which a part is looked for before they are divided
 STEPS = 60  # halve the way to where two leaves are tangent to 1e-18 of it
-OFF = 16  # last steps: how far off a point may be where two leaves are tangent
+OFF = 4  # last steps and what rounding may make of one: how far off a point is where contact is of that order at most
 SLACK = 1e-9  # of the box: what Newton's method leaves, and how far beyond a box a point of it may lie
 ROUNDING = 1e-15  # of the box
+EPS = float(np.finfo(float).eps)  # of the box: the rounding of a leaf, as a distance
 NEAR_ENOUGH = 1e-7  # of the box: points that are taken for one
 
 
@@ -140,17 +141,23 @@ class Places:
         return float(np.diff(self.box, axis=1).max())
 
     def _newton(self, leaves: Sequence[int], boxes: Boxes) -> Floats:
-        """From the middle of boxes to the common zeros of leaves that are on the boundary, each with its last step."""
+        """From the middle of boxes to the common zeros of leaves that are on the boundary.
+
+        Each with its last step, to which is added what the rounding of values may change it by.
+        """
         points, chosen = boxes.centres.T.copy(), list(leaves)
         if (leaves[0], leaves[-1]) in self.between:
             chosen[-1] = self.between[leaves[0], leaves[-1]]
         reach = boxes.sides.max(axis=0)
-        step = np.zeros_like(points)
+        doubt = np.zeros(len(points))
         with np.errstate(all="ignore"):
             for _ in range(STEPS if len(boxes) else 0):
                 values, slopes = (rows[chosen] for rows in self.at(points))
-                step = _least(values.T, np.moveaxis(slopes, 0, 1))
+                step, gain = _least(values.T, np.moveaxis(slopes, 0, 1))
                 step *= np.minimum(1, reach / np.linalg.norm(step, axis=1))[:, None]
+                length, noise = np.linalg.norm(step, axis=1), EPS * self._size * gain
+                doubt = length + noise
+                step[length <= noise] = 0
                 points = points - step
                 if not (np.abs(step) > ROUNDING * self._size).any():
                     break
@@ -158,7 +165,6 @@ class Places:
             away = np.abs(values[chosen]).max(axis=0)
             value, _ = active_leaf(self.form.gates, list(values))
             speed = np.linalg.norm(slopes[chosen], axis=2).max(axis=0)
-            doubt = np.linalg.norm(step, axis=1)
             good = (np.maximum(away, np.abs(value)) <= SLACK * speed * self._size) & (doubt <= reach)
             good &= (np.abs(points - boxes.centres.T) <= 2 * reach[:, None]).all(axis=1)
             lower, upper = np.array(self.box).T
@@ -177,10 +183,14 @@ def _spread(count: int, most: int) -> Ints:
     return np.arange(0, count, max(1, count // most))
 
 
-def _least(values: Floats, slopes: Floats) -> Floats:
-    """The step of least norm (n, dim) to the zeros of linear functions: values (n, k), slopes (n, k, dim)."""
+def _least(values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
+    """The step of least norm (n, dim) to the zeros of linear functions: values (n, k), slopes (n, k, dim).
+
+    And (n,) by how much it may grow an error of the values: of those over the largest slope, the norm of the inverse.
+    """
     bad = ~(np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
     slopes[bad], values[bad] = 0, 0
-    step: Floats = np.einsum("nij,nj->ni", np.linalg.pinv(slopes, rcond=1e-12), values)
+    inverse = np.linalg.pinv(slopes, rcond=1e-12)
+    step: Floats = np.einsum("nij,nj->ni", inverse, values)
     step[bad] = np.nan
-    return step
+    return step, np.linalg.norm(slopes, axis=2).max(axis=1) * np.linalg.norm(inverse, axis=(1, 2))

@@ -7,7 +7,7 @@ import sympy as sp
 import rsym
 from rsym import x, y, z
 from rsym.logic.sign_form import shape_form
-from rsym.problems.meetings import Places
+from rsym.problems.meetings import EPS, OFF, Places
 from rsym.sampling.extent import bounds_or_extent
 
 HALF = sp.Rational(1, 2)
@@ -46,17 +46,30 @@ def test_the_system_does_not_matter(system):
     assert meeting(wedge) == [(0, -2), (0, 2)]
 
 
-def test_parts_that_touch():
-    inner = rsym.disc(2) - rsym.disc(HALF, (HALF * 3, 0))
-    ((u, v),) = meeting(inner)
-    assert abs(u - 2) + abs(v) < 1e-7
-    points, doubt = places(inner).meeting(0, 1)
-    assert np.hypot(*(points[0] - [2, 0])) <= doubt[0]
-    apart = rsym.disc(2) - rsym.disc(HALF, (sp.Rational(14999, 10000), 0))
-    assert meeting(apart) == []
-    ball = rsym.sphere(1) - rsym.sphere(HALF, (HALF, 0, 0))
-    ((u, v, w),) = meeting(ball)
-    assert abs(u - 1) + abs(v) + abs(w) < 1e-6
+@pytest.mark.parametrize(
+    ("shape", "contact", "bend"),
+    [
+        (rsym.disc(2) - rsym.disc(HALF, (HALF * 3, 0)), (2, 0), 3 / 2),
+        (rsym.sphere(1) - rsym.sphere(HALF, (HALF, 0, 0)), (1, 0, 0), 1),
+    ],
+)
+def test_parts_that_touch(shape, contact, bend):
+    """The difference of two curvatures is `bend`: v beside the contact two unit slopes are at an angle of bend*v.
+
+    So errors e of values move the point by N = sqrt(2)*e/(bend*v) at most, where a step is v/2. Steps end at a point
+    where the step is N or less, N with all of e = EPS*size: if values have an eighth of that error, v is there at least
+    0.56*sqrt(c/bend), c = sqrt(2)*e, and N at most 1.8*sqrt(c/bend). The doubt is OFF*(step + N).
+    """
+    here = places(shape)
+    points, doubt = here.meeting(0, 1)
+    assert len(points) == 1
+    assert np.linalg.norm(points[0] - contact) <= doubt[0]
+    size = np.diff(here.box, axis=1).max()
+    assert doubt[0] <= OFF * 2 * 1.8 * np.sqrt(np.sqrt(2) * EPS * size / bend)
+
+
+def test_parts_that_nearly_touch_do_not_meet():
+    assert meeting(rsym.disc(2) - rsym.disc(HALF, (sp.Rational(14999, 10000), 0))) == []
 
 
 def test_corners_of_three_parts_and_a_line_through_corners():
