@@ -5,19 +5,24 @@ points that are surely inside are those of the form with each leaf f as min(d, f
 sqrt(9 - x**2) - y, and f~ is f with roots and logarithms of absolute values, which has a value everywhere and is f
 where d > 0. So the domain is a leaf like others, a *wall*: there the body ends, though omega is not zero. Where f ends
 at a wall it is there a formula without the root, its *limit*: the end is a common zero of that and of the domain.
+A leaf k*sqrt(u) + w needs no root: with m = -w/k, sqrt(u) > m where m < 0 or u > m**2, and so for logarithms.
 Source: Kleene (1952), section 64.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
 
-from rsym.logic.stripping import bare, factor
+import sympy as sp
+
+from rsym.logic.stripping import bare, factor, scaled
 from rsym.program.builder import Builder
 from rsym.program.program import live
+from rsym.program.raising import raised
 
 INFINITE = Fraction(10**9)  # no bound
+MOST_ROOTS, MOST_PARTS = 7, 32
 ROOTS = ("sqrt", "log", "pow")
 _OWN = {
     "neg",
@@ -42,9 +47,12 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
     Examples
     --------
     >>> b = Builder(("x", "y"), ())
-    >>> made = bounded(b, b.sub(b.sqrt(b.input("x")), b.input("y")))
-    >>> b.nodes[made].operation, b.walls[b.input("x")] == {b.nodes[made].arguments[1]: b.neg(b.input("y"))}
+    >>> x, y = b.input("x"), b.input("y")
+    >>> made = bounded(b, b.sub(b.sqrt(x), b.make("sin", b.sqrt(y))))
+    >>> b.nodes[made].operation, sorted(b.walls) == [x, y]
     ('min', True)
+    >>> bounded(b, b.sub(b.make("log", x), y)) == b.sub(x, b.make("exp", y))
+    True
     """
     ends: dict[int, list[int]] = {}
     for part in live(builder.nodes, [leaf]):
@@ -53,16 +61,77 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
             ends.setdefault(domain, []).append(part)
     if not ends:
         return leaf
+    known = {(bare(builder, guard), factor(builder, guard)) for guard in guards}
+
+    def walled(domain: int, made: int, total: int, limit: int | None) -> int:
+        if (bare(builder, domain), factor(builder, domain)) in known:
+            return made
+        builder.walls.setdefault(domain, {})[total] = limit
+        return builder.make("min", domain, made)
+
+    if (solved := _solved(builder, leaf, ends, walled)) is not None:
+        return solved
     every = {part: domain for domain, parts in ends.items() for part in parts}
     total = replaced(builder, leaf, every, within=True)
-    known = {(bare(builder, guard), factor(builder, guard)) for guard in guards}
     made = total
     for domain, parts in ends.items():
-        if (bare(builder, domain), factor(builder, domain)) not in known:
-            wall = replaced(builder, domain, every, within=True)
-            builder.walls.setdefault(wall, {})[total] = _limit(builder, leaf, parts, ends)
-            made = builder.make("min", wall, made)
+        wall = replaced(builder, domain, every, within=True)
+        made = walled(wall, made, total, _limit(builder, leaf, parts, ends))
     return made
+
+
+def _solved(
+    builder: Builder, leaf: int, ends: Mapping[int, Sequence[int]], walled: Callable[[int, int, int, int | None], int]
+) -> int | None:
+    """A leaf k*p(u) + w, p a root or logarithm, the only one in it, without that; None of others."""
+    b, parts = builder, [part for some in ends.values() for part in some]
+    terms = terms_of(b, leaf)
+    own = [(number, times) for number, times in terms if number in parts]
+    if len(parts) != 1 or len(own) != 1 or sum(parts[0] in live(b.nodes, [number]) for number, _ in terms) != 1:
+        return None
+    ((number, times),) = own
+    operation, (u, *exponent), _ = b.nodes[number]
+    over = b.const(0)  # p(u) is above it where the leaf is positive, for a positive factor
+    for other, factor_of in terms:
+        if other != number:
+            over = b.add(over, b.mul(b.const(-factor_of / times), other))
+    above = times > 0
+    if operation == "log":
+        found = b.sub(u, b.make("exp", over))
+        return found if above else walled(u, b.neg(found), b.neg(found), None)
+    power = Fraction(1, 2) if operation == "sqrt" else b.value(exponent[0])
+    if power is None or not 0 < power < 1 or power.denominator > MOST_ROOTS:
+        return None
+    found = b.sub(b.powi(u, power.numerator), b.powi(over, power.denominator))
+    found = found if above else b.neg(found)
+    if power.denominator % 2:
+        return walled(u, found, found, over)
+    if above:
+        below = b.neg(over)
+        return b.make("max", walled(u, below, found, over), found)
+    return walled(u, b.make("min", over, found), found, over)
+
+
+def terms_of(builder: Builder, number: int) -> list[tuple[int, Fraction]]:
+    """The terms of a sum, with the rational numbers that they are multiplied by.
+
+    Examples
+    --------
+    >>> b = Builder(("x", "y"), ())
+    >>> terms_of(b, b.sub(b.mul(b.const(3), b.input("x")), b.input("y"))) == [(b.input("y"), -1), (b.input("x"), 3)]
+    True
+    """
+    found: list[tuple[int, Fraction]] = []
+    stack = [(number, Fraction(1))]
+    while stack:
+        part, times = stack.pop()
+        part, more = scaled(builder, part)
+        operation, arguments, _ = builder.nodes[part]
+        if operation == "add":
+            stack.extend((argument, times * more) for argument in arguments)
+        else:
+            found.append((part, times * more))
+    return found
 
 
 def _domain(builder: Builder, part: int) -> int | None:
@@ -72,7 +141,21 @@ def _domain(builder: Builder, part: int) -> int | None:
         return None  # of the exponents that a letter may have some are whole
     if operation not in ROOTS or builder.uniform[arguments[0]]:
         return None
-    return None if lowest(builder, arguments[0]) >= 0 else arguments[0]
+    proved = lowest(builder, arguments[0]) >= 0 or _is_square(builder, arguments[0])
+    return None if proved else arguments[0]
+
+
+def _is_square(builder: Builder, number: int) -> bool:
+    """Whether a node is a square, of a polynomial of few terms that is written otherwise."""
+    parts = live(builder.nodes, [number])
+    kinds = {builder.nodes[part].operation for part in parts}
+    if len(parts) > MOST_PARTS or not kinds <= {"const", "input", "add", "neg", "mul", "powi"}:
+        return False
+    expression = raised(builder.nodes, number)
+    if not expression.is_polynomial():
+        return False
+    leading, factors = sp.sqf_list(expression)
+    return bool(leading > 0) and all(power % 2 == 0 for _, power in factors)
 
 
 def _limit(builder: Builder, leaf: int, parts: Collection[int], ends: Mapping[int, Collection[int]]) -> int | None:

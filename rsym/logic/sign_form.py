@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
-from rsym.logic.steps import parted, sign_gate
+from rsym.logic.steps import has_steps, parted, sign_gate
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
@@ -268,8 +268,11 @@ def known_form(shape: Shape) -> SignForm | None:
 def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
     """The program of a function with the same zero set and signs: constant factors drop, omega_n goes back to omega.
 
-    Where derivatives of omega do not exist a normalised value need not exist; omega does.
+    Where derivatives of omega do not exist a normalised value need not exist; omega does. Where omega itself does not
+    say where the shape is, it is the form that does (`known_form`).
     """
+    if (known := known_form(shape)) is not None:
+        return fields_program(Calculus(known.builder, known.value), fields)
     builder = shape_builder(shape)
     stripped = Stripping(
         builder, partial(constant_sign, builder), keeps=lambda node: builder.nodes[node].operation == "normalised"
@@ -285,6 +288,13 @@ def sign_form(builder: Builder, number: int) -> SignForm:
         return form
     builder.rewritten = True
     return replace(_gated(builder, made), parameters=form.parameters)
+
+
+def decided(builder: Builder, number: int) -> int:
+    """The node, or one of its sign with the boundary that is lost of it beside parts without a value, and in jumps."""
+    form = _gated(builder, number)
+    jumps = any(has_steps(builder, leaf) for leaf in form.leaves)
+    return _known(builder, number, ()) if jumps or any(gate.operation == "max" for gate in form.gates) else number
 
 
 def _known(builder: Builder, number: int, guards: Collection[int]) -> int:

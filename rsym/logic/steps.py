@@ -58,6 +58,11 @@ def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable
     return sign_gate(builder, "max", sign_gate(builder, "max", *made), both)
 
 
+def has_steps(builder: Builder, leaf: int) -> bool:
+    """Whether a leaf jumps."""
+    return any(True for _ in _steps(builder, leaf))
+
+
 def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
     """The minimum or maximum for the sign alone: constants drop, of which one that is not positive is outside.
 

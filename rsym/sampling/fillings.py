@@ -19,8 +19,8 @@ from itertools import pairwise, product
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.backends.kernel import compile
 from rsym.errors import RsymError
+from rsym.logic.inside import inside_kernel
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.outlines import outline_on_edges
@@ -309,7 +309,7 @@ def _shares(corners: Floats) -> Floats:
 
 def _in_space(shape: Shape, bounds: Bounds, resolution: int | Sequence[int]) -> Filling:
     lattice = lattice_over(bounds, resolution, MOST_POINTS)
-    kernel = compile(shape)
+    kernel = inside_kernel(shape)
     values = kernel(*lattice.open_axes())["value"]
     values = np.where(np.isnan(values), -np.inf, values)
     inside = values > 0

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
-from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
+from rsym.logic.inside import inside_kernel
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
@@ -234,7 +234,7 @@ def _inside(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> _
         warn("the shape leaves its bounds; points are drawn within them alone, wider bounds=... hold all of it")
     volumes = np.prod(boxes.sides, axis=0)
     shares = np.cumsum(volumes / volumes.sum())
-    kernel = compile(shape)
+    kernel = inside_kernel(shape)
     hits = draws = 0
 
     def draw(count: int, generator: np.random.Generator) -> _Drawn:

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from rsym.bounds.balls import Step, arb, ball, ctx, exact, run, step
+from rsym.logic.sign_form import decided
 from rsym.model.nodes import without_zeros
 from rsym.model.shape import Shape
 from rsym.program.builder import Builder
@@ -57,7 +58,7 @@ class _Formula:
 
     def __init__(self, shape: Shape, coordinates: tuple[str, ...], letters: tuple[str, ...]) -> None:
         self.builder = Builder(coordinates, letters)
-        self.root = lower(self.builder, without_zeros(shape.expression))
+        self.root = decided(self.builder, lower(self.builder, without_zeros(shape.expression)))
         self.orders: dict[int, list[int]] = {}
         self.steps: dict[int, Step] = {}
         self.gradients: dict[int, tuple[int, ...]] = {}

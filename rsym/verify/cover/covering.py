@@ -10,6 +10,7 @@ import numpy as np
 
 from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import IntervalFunction
+from rsym.logic.sign_form import decided
 from rsym.model.shape import Shape
 from rsym.program.builder import Builder
 from rsym.program.differentiation import derivative
@@ -162,7 +163,7 @@ def _widest_letter(model: Model, box: Box) -> int | None:
 def bounds_of_omega(shape: Shape, axes: Sequence[str], letters: Iterable[str]) -> IntervalFunction:
     """Omega over boxes with sides along the axes; letters that range are axes."""
     builder = Builder(tuple(symbol.name for symbol in shape.coordinates), tuple(letters))
-    program = builder.program({"value": lower(builder, shape.expression)})
+    program = builder.program({"value": decided(builder, lower(builder, shape.expression))})
     return IntervalFunction(program.varying(axes[2:]), "numpy", 1)
 
 

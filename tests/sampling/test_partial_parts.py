@@ -1,0 +1,99 @@
+"""Parts without a value somewhere, and steps: what is measured, meshed, sampled, drawn and proved of them."""
+
+import numpy as np
+import pytest
+import sympy as sp
+from oracles.closeness import assert_close
+
+import rsym
+from rsym import Shape, x, y, z
+
+PARTIAL = {"sqrt": sp.sqrt(x - 2), "log": sp.log(x - 2), "asin": sp.asin(x - 4), "root": (x - 2) ** sp.Rational(1, 3)}
+WINDOW = ((-3, 1.5), (-3, 3))
+BALL = 1 - x**2 - y**2 - z**2
+CUBE = ((-1.5, 1.5),) * 3
+STEPS = {
+    "sign": sp.sign(BALL),
+    "piecewise": sp.Piecewise((1, BALL > 0), (-1, True)),
+    "strict": sp.Piecewise((0, BALL <= 0), (1, True)),
+    "sum": 2 * sp.sign(BALL) + x / 2,
+    "nested": sp.Piecewise((sp.Piecewise((1, z < 5), (-1, True)), BALL > 0), (-1, True)),
+}
+
+
+@pytest.mark.parametrize("name", PARTIAL)
+def test_the_measure_of_a_disc_beside_a_part_without_a_value(name):
+    found = rsym.measure(rsym.disc(1) | Shape(PARTIAL[name] - y, (x, y)), bounds=WINDOW)
+    assert_close([found.area, found.length], [np.pi, 2 * np.pi], rtol=1e-11)
+
+
+@pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
+def test_the_measure_of_what_ends_with_its_domain():
+    found = rsym.measure(Shape(sp.sqrt(9 - x**2) - y, (x, y), bounds=((-4, 4), (-1, 4))))
+    assert_close(found.area, 4.5 * np.pi + 6, rtol=1e-9)
+    assert found.area.error < 1e-6
+    assert_close(max(found.parts.values()), 3 * np.pi, rtol=1e-8)
+
+
+@pytest.mark.parametrize("name", PARTIAL)
+def test_the_mesh_of_a_ball_beside_a_part_without_a_value(name):
+    beside = rsym.sphere(1) | Shape(PARTIAL[name] - z, (x, y, z))
+    box = (*WINDOW[:1], (-2, 2), (-2, 2))
+    mesh, alone = (rsym.mesh(one, 24, bounds=box) for one in (beside, rsym.sphere(1)))
+    assert mesh.status.closed
+    assert_close([mesh.volume, mesh.area], [alone.volume, alone.area], rtol=1e-12)
+    one, other = (Shape(shape.expression, (x, y, z), bounds=box) for shape in (beside, rsym.sphere(1)))
+    view = rsym.Camera(target=(0, 0, 0))
+    picture, plain = (rsym.render(shape, size=(40, 30), camera=view) for shape in (one, other))
+    assert np.abs(np.asarray(picture.pixels, int) - np.asarray(plain.pixels, int)).max() <= 1
+
+
+def test_points_are_drawn_in_a_body_beside_a_part_without_a_value():
+    drawn = rsym.sample(rsym.sphere(1) | Shape(sp.sqrt(x - 2) - z, (x, y, z)), 300, rng=1, bounds=((-2, 1.9),) * 3)
+    assert (np.linalg.norm(drawn.points, axis=1) <= 1).all()
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_in_space_is_its_condition(name):
+    shape = Shape(STEPS[name], (x, y, z), bounds=CUBE)
+    found = rsym.measure(shape)
+    assert_close([found.volume, found.surface], [4 * np.pi / 3, 4 * np.pi], rtol=1e-10)
+    assert rsym.mesh(shape, 16).status.closed
+    assert shape.contains([0, 0.99, 1.01], 0, 0).tolist() == [True, True, False]
+
+
+def test_a_step_in_the_plane_is_its_condition():
+    found = rsym.measure(Shape(sp.sign(1 - x**2 - y**2), (x, y), bounds=((-1.5, 1.5),) * 2))
+    assert_close([found.area, found.length], [np.pi, 2 * np.pi], rtol=1e-12)
+    within = sp.And(x > 0, y > 0, x + y < 1)
+    for triangle in (sp.Piecewise((1, within), (-1, True)), sp.Piecewise((-1, sp.Not(within)), (1, True))):
+        found = rsym.measure(Shape(triangle, (x, y), bounds=((-0.5, 1.5),) * 2))
+        assert_close([found.area, found.length], [0.5, 2 + np.sqrt(2)], rtol=1e-12)
+
+
+def test_no_boundary_is_seen_where_both_sides_of_a_step_are_inside():
+    """Discs of radii 1 and 2 to the right and to the left of x = 0, where two lines of length 1 bound."""
+    halves = sp.Piecewise((1 - x**2 - y**2, x > 0), (4 - x**2 - y**2, True))
+    shape = Shape(halves, (x, y), bounds=((-2.5, 2.5),) * 2)
+    found = rsym.measure(shape)
+    assert_close([found.area, found.length], [2.5 * np.pi, 3 * np.pi + 2], rtol=1e-10)
+    (line,) = rsym.level_lines(shape, resolution=64)
+    assert np.abs(line[None] - np.array([[[0, 1]], [[0, -1]], [[0, 2]], [[0, -2]]])).sum(-1).min(1).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("expression", "verdict"),
+    [
+        (rsym.disc(1).expression, "CERTIFIED"),
+        (sp.sign(1 - x**2 - y**2), "CERTIFIED"),
+        (sp.Piecewise((1, x**2 + y**2 < 1), (-1, True)), "CERTIFIED"),
+        (sp.Piecewise((1 - x**2 - y**2, x > 0), (2 - 2 * x**2 - 2 * y**2, True)), "CERTIFIED"),
+        (sp.Piecewise((1, (x > 0) & (y > 0) & (x + y < 1)), (-1, True)), "REFUTED"),
+        (sp.Piecewise((1 - x**2 - y**2, x > 0), (4 - x**2 - y**2, True)), "REFUTED"),
+    ],
+)
+def test_verdicts_of_steps_and_beside_parts_without_a_value(expression, verdict):
+    window = ((-2.5, 2.5), (-2.5, 2.5))
+    assert rsym.verify_smoothness(Shape(expression, (x, y), bounds=window)).verdict == verdict
+    beside = rsym.disjunction(expression, sp.log(x - 3) - y)
+    assert rsym.verify_smoothness(Shape(beside, (x, y), bounds=window)).verdict == verdict
