@@ -8,9 +8,9 @@ import numpy as np
 
 from rsym.errors import RsymError, RsymWarning, warn
 from rsym.model.shape import Shape
-from rsym.sampling.level_lines import level_lines
 from rsym.sampling.distances import distance_to_lines, distance_to_mesh
 from rsym.sampling.extent import extent
+from rsym.sampling.level_lines import level_lines
 from rsym.sampling.meshing import mesh
 
 RESOLUTION = {2: 256, 3: 40}
