@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 import sympy as sp
 
 from rsym.logic.sign_form import SignForm, shape_form, sign_form, through
-from rsym.logic.stripping import scaled
+from rsym.logic.stripping import bare, scaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
@@ -89,6 +89,12 @@ class Faces:
     def told_apart(self) -> bool:
         """Whether there are parts enough for faces to have more than one name."""
         return len({face.parts[:1] for face in self.faces}) > 1
+
+    @cached_property
+    def doubled(self) -> bool:
+        """Whether a leaf is a multiple of another one."""
+        keys = [bare(self.form.builder, leaf) for leaf in self.form.leaves]
+        return len({*keys}) < len(keys)
 
     @cached_property
     def shared(self) -> frozenset[int]:

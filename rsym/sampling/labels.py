@@ -89,7 +89,7 @@ def labels_of(leaf: Integers, leaves: Sequence[str]) -> Labels:
 
 @dataclass(frozen=True, eq=False)
 class Labeller:
-    """What asks for the labels of points on the boundary of a shape at letters.
+    """What asks for the labels of points on the boundary of a shape at letters; `behind` its leaves are more names.
 
     Examples
     --------
@@ -102,10 +102,43 @@ class Labeller:
 
     shape: Shape
     letters: Mapping[Any, float] | None = None
+    behind: tuple[str, ...] = ()
 
-    def __call__(self, points: Floats, leaf: Integers, behind: Sequence[str] = ()) -> Labels:
-        """The labels of points (n, dim) that were found on leaves (n,); `behind` are names of numbers behind these."""
+    def __call__(self, points: Floats, leaf: Integers) -> Labels:
+        """The labels of points (n, dim) that were found on leaves (n,)."""
+        behind = self.behind
         faces, own = shape_faces(self.shape), face_names(self.shape)
+        count = len(faces.form.leaves)
+        number, met = self._sets(points, leaf, count + len(behind))
+        of_leaf = [tuple(k for k, face in enumerate(faces.faces) if face.leaf == leaf) for leaf in range(count)]
+        titles = [BETWEEN.join(faces.title(chosen)) or own[chosen[0]] for chosen in (*of_leaf, *met)]
+        titles[count:count] = behind
+        single = (*own, *behind)
+        there = {titles[k] for k in np.unique(number[number >= 0]).tolist()}
+        joint = sorted(there - {*single}, key=lambda title: [*map(single.index, title.split(BETWEEN))])
+        names = tuple(dict.fromkeys((*single, *joint)))
+        place = {name: number for number, name in enumerate(names)}
+        table = np.array([*(place.get(title, -1) for title in titles), -1])
+        held: list[dict[str, None]] = [{name: None} if name in behind else {} for name in names]
+        for chosen in (*((k,) for k in range(len(own))), *met):
+            title = BETWEEN.join(faces.title(chosen)) or own[chosen[0]]
+            held[place[title]].update(dict.fromkeys(faces.holding(chosen) or (title,)))
+        return Labels(table[number], names, tuple(map(tuple, held)))
+
+    def leaves(self, points: Floats, leaf: Integers) -> Ints:
+        """The leaves (n,) that bound the body at points: those that were found, or one of the same place."""
+        faces = shape_faces(self.shape)
+        most = max(len(faces.form.leaves), int(np.max(leaf, initial=0)) + 1)
+        number, met = self._sets(points, leaf, most)
+        found = np.array(leaf, np.int64)
+        for k, chosen in enumerate(met):
+            there = [faces.faces[one].leaf for one in chosen]
+            found[(number == most + k) & ~np.isin(found, there)] = there[0]
+        return found
+
+    def _sets(self, points: Floats, leaf: Integers, first_set: int) -> tuple[Ints, Sequence[tuple[int, ...]]]:
+        """Of each point the leaf where that tells the face, else the number of a set of faces plus `first_set`."""
+        faces = shape_faces(self.shape)
         count = len(faces.form.leaves)
         number = np.array(leaf, np.int64)
         met: dict[tuple[int, ...], int] = {}
@@ -117,21 +150,8 @@ class Labeller:
             packed = np.packbits(active, axis=0).T
             _, one, which = np.unique(packed, axis=0, return_index=True, return_inverse=True)
             sets = [met.setdefault(tuple(np.flatnonzero(active[:, k]).tolist()), len(met)) for k in one]
-            number[some[doubtful]] = count + len(behind) + np.array(sets, np.int64)[which.ravel()]
-        of_leaf = [tuple(k for k, face in enumerate(faces.faces) if face.leaf == leaf) for leaf in range(count)]
-        titles = [BETWEEN.join(faces.title(chosen)) or own[chosen[0]] for chosen in (*of_leaf, *met)]
-        titles[count:count] = behind
-        single = (*own, *behind)
-        met_titles = {titles[k] for k in np.unique(number[number >= 0]).tolist()}
-        joint = sorted(met_titles - {*single}, key=lambda title: [*map(single.index, title.split(BETWEEN))])
-        names = tuple(dict.fromkeys((*single, *joint)))
-        place = {name: number for number, name in enumerate(names)}
-        table = np.array([*(place.get(title, -1) for title in titles), -1])
-        held: list[dict[str, None]] = [{name: None} if name in behind else {} for name in names]
-        for chosen in (*((k,) for k in range(len(own))), *met):
-            title = BETWEEN.join(faces.title(chosen)) or own[chosen[0]]
-            held[place[title]].update(dict.fromkeys(faces.holding(chosen) or (title,)))
-        return Labels(table[number], names, tuple(map(tuple, held)))
+            number[some[doubtful]] = first_set + np.array(sets, np.int64)[which.ravel()]
+        return number, tuple(met)
 
     def _active(self, points: Floats, leaf: Ints) -> tuple[Ints, Flags]:
         """The points on leaves of which it takes a walk to know the face, and which faces (k, n) are active there."""
@@ -193,7 +213,7 @@ class Labeller:
 def _asked(faces: Faces) -> Flags:
     """On which leaves it takes a look to know the face; on none, behind them."""
     count = len(faces.form.leaves)
-    asked = np.full(count + 1, faces.told_apart and count <= FEW)
+    asked = np.full(count + 1, (faces.told_apart or faces.doubled) and count <= FEW)
     asked[list(faces.shared)] = True
     asked[count] = False
     return asked

@@ -195,7 +195,7 @@ class SharpMesher:
     def _labels(self, letters: Mapping[Any, float] | None, points: Floats, leaf: Integers) -> Labels:
         """What points on leaves are called."""
         first = len(self.form.leaves) - self.form.caps
-        return Labeller(self.shape, letters)(points, self._origins[leaf], self.leaves[first:])
+        return Labeller(self.shape, letters, self.leaves[first:])(points, self._origins[leaf])
 
     def _findings(
         self, known: Findings, vertices: Floats, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job

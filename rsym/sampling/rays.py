@@ -187,7 +187,7 @@ class Caster:
     def _called(self, letters: Mapping[str, float], points: Floats, leaf: Shorts) -> Labels:
         """What points are called; on a cut they have no name."""
         known = np.where(leaf < len(self.leaves), leaf, -1)
-        return Labeller(self.shape, letters)(points, known, self.leaves[len(self._leaf_fields.form.leaves) :])
+        return Labeller(self.shape, letters, self.leaves[len(self._leaf_fields.form.leaves) :])(points, known)
 
     def _planes(self, cuts: tuple[Cut, ...]) -> Floats:
         """The half-spaces of the bounds and of the cuts: outer normal and offset."""

@@ -18,7 +18,8 @@ from rsym.arrays import Floats, Ints
 # Few intervals are parted so often at once: what is left of a double root takes as many steps as one.
 FEW, AT_ONCE = 64, 5
 HALVINGS = 30  # a double root is then met to half the digits, which is as well as its place is known
-MOST = 64  # intervals left of one function at a level: it is zero all along, or its slope is not bounded
+MOST = 64  # intervals left of one function at a level: its slope is not bounded
+FLAT = 16  # intervals left of one function at a level, all of whose ends are zero: it is zero all along
 STEPS = 200
 # After a Newton step that is so small, as a part of the bracket, the next is below rounding.
 CLOSE, ROUNDING = 1e-10, 4e-16
@@ -77,10 +78,20 @@ def isolate(
         which, lower, upper, below, above, least, most = rest
         if not len(which):
             break
+        if level > 0:
+            small = np.maximum(np.abs(below), np.abs(above)) <= tolerance[going]
+            flat = np.bincount(which)[which] >= FLAT
+            flat &= np.bincount(which, ~small)[which] == 0
+            changes = changes[going][~flat]
+            rest = [a[~flat] for a in (which, lower, upper, below, above)]
+            which, lower, upper, below, above = rest
+            if not len(which):
+                break
+        else:
+            changes = changes[going]
         crowd = np.bincount(which)[which] > MOST
         if level == HALVINGS or crowd.any():
             last = crowd | (level == HALVINGS)
-            changes = changes[going]
             take = last & changes
             found.append(tuple(a[take] for a in (which, lower, upper, below, above)))
             double.append((which[last & ~changes], (lower / 2 + upper / 2)[last & ~changes]))

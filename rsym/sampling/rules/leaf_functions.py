@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
+from rsym.logic.branches import opened_leaf
 from rsym.logic.leaf_names import leaf_names
-from rsym.logic.lifting import TURNED, lifted, origins
+from rsym.logic.lifting import TURNED, origins
 from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
@@ -29,7 +30,6 @@ from rsym.sampling.regions.region_kernels import region_kernels
 from rsym.sampling.rules.division import CutPieces
 from rsym.sampling.sharp.crossings import CompiledLeaves
 
-MOST_CHOICES = 6  # each may double the leaves
 EPSILON = float(np.finfo(np.float64).eps)
 
 
@@ -101,7 +101,7 @@ class LeafFunctions:
 
 @dataclass(frozen=True)
 class RuleForm:
-    """A sign form as kernels want it, in three coordinates, minima and absolute values in its leaves lifted to gates.
+    """A sign form as kernels want it, in three coordinates, choices and products in its leaves opened to gates.
 
     names : of the leaves that the form came with; owner : for each leaf of `form` the number of that it comes from.
     """
@@ -124,28 +124,18 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
 
 
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
-    """The form without kinks in its leaves that are minima, maxima and absolute values in sums, and whose they are.
+    """The form without kinks, nodes and poles in leaves that are choices, products and quotients, and whose they are.
 
     Slabs are two half-spaces: rules on plane faces then have large parts.
     """
     builder = form.builder
-    leaves = [_slab(builder, _lifted(builder, leaf)) for leaf in form.leaves]
+    leaves = [_slab(builder, opened_leaf(builder, leaf)) for leaf in form.leaves]
     made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
     smooth = replace(sign_form(builder, made[-1]), parameters=form.parameters)
     owner = origins(form, leaves, smooth.leaves)
     if list(form.leaves) == leaves or -1 in owner:
         return form, np.arange(len(form.leaves))
     return smooth, np.array(owner)
-
-
-def _lifted(builder: Builder, leaf: int) -> int:
-    """A leaf with all its choices on top that sums let through: a sum lifts those of one of its terms at a time."""
-    for _ in range(MOST_CHOICES):
-        number = lifted(builder, leaf, few=0)
-        if number == leaf:
-            break
-        leaf = number
-    return leaf
 
 
 def _slab(builder: Builder, leaf: int) -> int:

@@ -210,7 +210,7 @@ class Prepared:
     parts: tuple[str, ...]
     owner: Ints
     sides: range = range(0)
-    called: Callable[[Floats, Ints], Labels] | None = None
+    called: Labeller | None = None
 
     def labels(self, rule: CellRule) -> Labels:
         """Which parts the points of the boundary in a rule belong to."""
@@ -230,6 +230,8 @@ class Prepared:
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
         leaves = self.owner[rule.edge_leaf]
+        if self.called is not None:
+            leaves = self.called.leaves(rule.edge_points.T, leaves)
         self.warn_of_cuts(leaves)
         boundary = BoundaryQuadrature(
             rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts, self.called
@@ -330,7 +332,7 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
         )
     own = 2 * shape.dimension if bounds is None and box is not None else 0
     count = len(form.names)
-    called = partial(Labeller(shape, letters), behind=form.names[len(shape_form(shape).leaves) :])
+    called = Labeller(shape, letters, form.names[len(shape_form(shape).leaves) :])
     return Prepared(functions, known, form.names, form.owner, range(count - own, count), called)
 
 

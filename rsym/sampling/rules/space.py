@@ -207,23 +207,31 @@ class BaseFunctions:
         if len(gap):
             low, high = lower[:, gap], upper[:, gap]
             middle, half = low / 2 + high / 2, (high - low) / 2
-            one, other = (self._climbs(k, leaf[gap], low, high, half) for k in (0, 1))
+            (one, absent), (other, missing) = (self._climbs(k, leaf[gap], low, high, half) for k in (0, 1))
             bounds = np.stack([one[:, 0] - other[:, 1], one[:, 1] - other[:, 0]], axis=1)
             between, slope = self.evaluate(leaf[gap], middle)
             reach = (np.abs(bounds).max(axis=1) * half).sum(axis=0)
-            value[:, gap] = self._beside(leaf[gap], middle, half, between, slope, reach)
+            small = 2 * half.max(axis=0) < SMALL * self._size(leaf[gap])
+            value[:, gap] = self._beside(leaf[gap], middle, half, between, slope, reach, small)
+            value[:, gap[(absent | missing) & small]] = np.inf  # what is not in the piece meets nothing there
             gradient[:, :, gap] = bounds
         return value, gradient
 
-    def _beside(self, which: Ints, middle: Floats, half: Floats, value: Floats, slope: Floats, reach: Floats) -> Floats:
+    def _size(self, which: Ints) -> Floats:
+        """The longer side of the base of the piece of each."""
+        found: Floats = (self.cells.upper - self.cells.lower)[:, self.piece[which]].max(axis=0)
+        return found
+
+    def _beside(
+        self, which: Ints, middle: Floats, half: Floats, value: Floats, slope: Floats, reach: Floats, small: Flags
+    ) -> Floats:
         """Bounds (2, n) of gaps over boxes: by bounds of their slopes, or an estimate for leaves that run side by side.
 
         Bounds of both slopes know nothing of each other, so in a small part of a piece the slopes in the middle and at
         the corners stand for them, differences taken twice: thin shells would be parted for ever.
         """
         found = np.stack([value - reach, value + reach])
-        size = (self.cells.upper - self.cells.lower)[:, self.piece[which]].max(axis=0)
-        open_ones = (found[0] < self.tolerance) & (found[1] > self.tolerance) & (2 * half.max(axis=0) < SMALL * size)
+        open_ones = (found[0] < self.tolerance) & (found[1] > self.tolerance) & small
         some = np.flatnonzero(open_ones & (np.abs(value) > 2 * (np.abs(slope) * half).sum(axis=0)))
         if len(some):
             corner = np.array([[-1, -1, 1, 1], [-1, 1, -1, 1]])[:, :, None] * half[:, None, some]
@@ -234,8 +242,8 @@ class BaseFunctions:
             found[:, some] = value[some] - np.minimum(reach[some], least), value[some] + np.minimum(reach[some], least)
         return found
 
-    def _climbs(self, number: int, which: Ints, lower: Floats, upper: Floats, half: Floats) -> Floats:
-        """Bounds (2, 2, n) of the gradients of the heights of the leaves of gaps over boxes.
+    def _climbs(self, number: int, which: Ints, lower: Floats, upper: Floats, half: Floats) -> tuple[Floats, Flags]:
+        """Bounds (2, 2, n) of the gradients of the heights of the leaves of gaps over boxes, and which are not there.
 
         First anywhere in the piece, then at the heights that the leaf can have over the box by these bounds.
         """
@@ -243,7 +251,8 @@ class BaseFunctions:
         rough = self._climbs_between(number, which, lower, upper, bottom, top)
         at, _ = self._heights(number, which, lower / 2 + upper / 2)
         reach = (np.abs(rough).max(axis=1) * half).sum(axis=0)
-        return self._climbs_between(number, which, lower, upper, at - reach, at + reach)
+        absent = (at + reach < bottom - self.tolerance) | (at - reach > top + self.tolerance)
+        return self._climbs_between(number, which, lower, upper, at - reach, at + reach), absent
 
     def _climbs_between(
         self, number: int, which: Ints, lower: Floats, upper: Floats, least: Floats, most: Floats

@@ -154,7 +154,7 @@ def _not_normalised(survey: Survey, tolerance: float) -> Iterator[Finding]:
             (survey.place(leaf),),
             message_of(slopes),
             remedy_of(leaf, slopes, survey.shape.coordinates),
-            tuple(survey.points(leaf)[np.argmax(off)].tolist()),
+            tuple(survey.points(leaf)[np.argmax(off >= off.max() - CONSTANT)].tolist()),  # the first, but for rounding
             (float(slopes.min()), float(slopes.max())),
         )
     lost = [operation for operation in survey.operations if breaks_normalisation(operation)]

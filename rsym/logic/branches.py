@@ -1,0 +1,193 @@
+"""Leaves as gates of leaves without kinks, nodes and poles: the branches of choices, and the factors of products.
+
+For its sign a product is max(min(a, b), min(-a, -b)), and so is a quotient: beyond a pole the body ends, too. A leaf
+with a choice c = max(a, b) somewhere inside is where a > b the leaf with a for c, elsewhere that with b, so in sign
+
+    max(min(a - b, f), min(b - a, g), min(f, g)),
+
+the last so that it is positive on a = b where both are. The outermost choice is opened first, and what it decides is
+remembered: where max(u, v) < 0 so are u and v. The distance of a box, sqrt(max(u, 0)**2 + max(v, 0)**2) +
+min(max(u, v), 0) with u = |x| - a and v = |y| - b, comes out as four straight leaves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from functools import partial
+from types import MappingProxyType
+
+from rsym.logic.domains import replaced
+from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
+from rsym.logic.sign_form import gate_of, stripped
+from rsym.logic.steps import sign_gate
+from rsym.logic.stripping import bare, even_root, factor
+from rsym.program.builder import Builder
+from rsym.program.program import live
+
+MOST_CHOICES = 6  # that sums let through; each may double the leaves
+MOST_LEAVES = 12  # that one is opened to; each choice may double them
+Known = Mapping[int, int]  # signs of nodes, by what is left of these without factors
+
+
+class _TooMany(Exception):
+    """A leaf has more branches than can be told apart."""
+
+
+def opened_leaf(builder: Builder, leaf: int) -> int:
+    """A node of the sign of a leaf, but where it is zero without a change of sign, as gates of simpler leaves.
+
+    Examples
+    --------
+    >>> b = Builder(("x", "y"), ())
+    >>> x, y = b.input("x"), b.input("y")
+    >>> made = opened_leaf(b, b.mul(x, y))
+    >>> [b.nodes[number].operation for number in (made, *b.nodes[made].arguments)]
+    ['max', 'min', 'min']
+    >>> opened_leaf(b, b.sub(x, y)) == b.sub(x, y)
+    True
+    """
+    # Under roots absolute values stand for what has no value beyond the walls.
+    walls = {wall for wall, ends in builder.walls.items() if leaf in ends}
+    opening = _Opening(builder, walls)
+    try:
+        made = opening.opened(leaf, 1, MappingProxyType({}))
+    except _TooMany:
+        return lifted_whole(builder, leaf)
+    return leaf if builder.value(made) is not None else made
+
+
+def lifted_whole(builder: Builder, leaf: int) -> int:
+    """A leaf with all its choices on top that sums let through: a sum lifts those of one of its terms at a time."""
+    for _ in range(MOST_CHOICES):
+        number = lifted(builder, leaf, few=0)
+        if number == leaf:
+            break
+        leaf = number
+    return leaf
+
+
+class _Opening:
+    """One leaf being opened, and how many leaves came out."""
+
+    def __init__(self, builder: Builder, walls: Collection[int]) -> None:
+        self.builder, self.walls, self.count = builder, walls, 0
+
+    def opened(self, number: int, sign: int, known: Known) -> int:
+        """A node times 1 or -1 as gates, where some signs are known."""
+        b = self.builder
+        number, sign = stripped(b, number, sign)
+        if certain := self._sign(number, known):
+            return b.const(sign * certain)
+        operation, arguments, _ = b.nodes[number]
+        if kind := gate_of(operation, sign):
+            return sign_gate(self.builder, kind, *(self.opened(argument, sign, known) for argument in arguments[:2]))
+        if operation in {"mul", "div"} and not any(b.uniform[argument] for argument in arguments):
+            return self._product(arguments, sign, known)
+        decided = self._decided(number, known)
+        if decided != number:
+            return self.opened(decided, sign, known)
+        choices = self._choices(number)
+        if choices and self._lifts(top := lifted_whole(b, number)):
+            return self.opened(top, sign, known)
+        if not choices:
+            self.count += 1
+            if self.count > MOST_LEAVES:
+                raise _TooMany
+            return number if sign > 0 else b.neg(number)
+        return self._branches(number, choices[0], sign, known)
+
+    def _sign(self, number: int, known: Known) -> int:
+        """The sign that a node has almost everywhere, 0 where that is open."""
+        b = self.builder
+        value = b.value(number)
+        if value is not None:
+            return 1 if value > 0 else -1  # what is zero is not inside
+        if b.nonnegative[number] and not b.uniform[number]:
+            return 1
+        return known.get(bare(b, number), 0) * factor(b, number)
+
+    def _product(self, arguments: tuple[int, ...], sign: int, known: Known) -> int:
+        for one, other in (arguments, arguments[::-1]):
+            if self.builder.nonnegative[one] or even_root(self.builder, one) is not None:
+                return self.opened(other, sign, known)
+        return sign_gate(
+            self.builder,
+            "max",
+            *(
+                sign_gate(self.builder, "min", self.opened(one, side, known), self.opened(other, sign * side, known))
+                for side in (1, -1)
+            ),
+        )
+
+    def _decided(self, number: int, known: Known) -> int:
+        """The node without the choices whose sides are known."""
+        while True:
+            for choice in self._choices(number):
+                condition, above, below = self._sides(choice)
+                if side := self._sign(condition, known):
+                    number = replaced(self.builder, number, {choice: above if side > 0 else below})
+                    break
+            else:
+                return number
+
+    def _choices(self, number: int) -> list[int]:
+        """The choices inside a node, first that which is made of most others: its side tells most of theirs."""
+        b = self.builder
+        inside = [
+            part
+            for part in live(b.nodes, [number])
+            if b.nodes[part].operation in CHOICES
+            and not b.uniform[part]
+            and b.nodes[part].arguments[0] not in self.walls
+        ]
+        return sorted(inside, key=partial(choices_in, b), reverse=True)
+
+    def _sides(self, choice: int) -> tuple[int, int, int]:
+        """What decides a choice, and what it is where that is positive and where it is negative."""
+        b = self.builder
+        operation, (first, *rest), _ = b.nodes[choice]
+        if operation == "abs":
+            return first, first, b.neg(first)
+        condition = b.sub(first, rest[0])
+        return (condition, first, rest[0]) if operation == "max" else (condition, rest[0], first)
+
+    def _lifts(self, number: int) -> bool:
+        """Whether a node is made of gates on top, and of nothing with choices below these."""
+        tops = [number]
+        while tops:
+            part = tops.pop()
+            operation, arguments, _ = self.builder.nodes[part]
+            if operation in TURNED:
+                tops += arguments
+            elif part == number or self._choices(part):
+                return False
+        return True
+
+    def _branches(self, number: int, choice: int, sign: int, known: Known) -> int:
+        condition, *values = self._sides(choice)
+        made = []
+        for side, value in zip((1, -1), values, strict=True):
+            believed = MappingProxyType({**known, **self._implied(condition, side)})
+            made.append(self.opened(replaced(self.builder, number, {choice: value}), sign, believed))
+        sides = [
+            sign_gate(self.builder, "min", self.opened(condition, side, known), f)
+            for side, f in zip((1, -1), made, strict=True)
+        ]
+        return sign_gate(
+            self.builder, "max", sign_gate(self.builder, "max", *sides), sign_gate(self.builder, "min", *made)
+        )
+
+    def _implied(self, condition: int, sign: int) -> dict[int, int]:
+        """What has a sign where a node has one: of a maximum below 0 both operands."""
+        b = self.builder
+        found: dict[int, int] = {}
+        stack = [(condition, sign)]
+        while stack:
+            number, side = stack.pop()
+            number, side = stripped(b, number, side)
+            found[bare(b, number)] = side * factor(b, number)
+            top = number if b.nodes[number].operation in TURNED else lifted_whole(b, number)
+            operation, arguments, _ = b.nodes[top]
+            if operation in TURNED and (operation == "min") == (side > 0):
+                stack += [(argument, side) for argument in arguments]
+        return found
