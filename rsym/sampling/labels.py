@@ -124,6 +124,13 @@ class Labeller:
             held[place[title]].update(dict.fromkeys(faces.holding(chosen) or (title,)))
         return Labels(table[number], names, tuple(map(tuple, held)))
 
+    def nearest(self, points: Floats) -> Labels:
+        """The labels of points, each on the leaf that is nearest to it."""
+        value, gradient = self._values(points)
+        with np.errstate(all="ignore"):
+            away = np.nan_to_num(np.abs(value) / np.sqrt(np.einsum("kin,kin->kn", gradient, gradient)), nan=np.inf)
+        return self(points, away.argmin(axis=0))
+
     def leaves(self, points: Floats, leaf: Integers) -> Ints:
         """The leaves (n,) that bound the body at points: those that were found, or one of the same place."""
         faces = shape_faces(self.shape)
@@ -194,15 +201,9 @@ class Labeller:
 
     def _on_leaf(self, points: Floats, leaf: Ints) -> tuple[Floats, Floats, Floats]:
         """Points (n, dim) moved onto their leaves, where these are bent; values (k, n), gradients (k, dim, n) there."""
-        kernel, every = _leaf_kernel(self.shape), np.arange(len(leaf))
-        program = kernel.program
-        given = kernel.letters.values_with(self.letters)
-        letters, dimension = [given[name] for name in program.letters], self.shape.dimension
-        out = np.empty((len(program.outputs), len(points)))
+        every = np.arange(len(leaf))
         for step in range(NEWTON_STEPS + 1):
-            run_in_blocks(kernel.function, list(points.T.copy()), letters, out, kernel.threads)
-            parts = out.reshape(-1, 1 + dimension, len(points))
-            value, gradient = parts[:, 0], parts[:, 1:]
+            value, gradient = self._values(points)
             own, slope = value[leaf, every], gradient[leaf, :, every]
             with np.errstate(all="ignore"):
                 move = (own / np.einsum("ni,ni->n", slope, slope))[:, None] * slope
@@ -211,6 +212,16 @@ class Labeller:
                 break
             points = points - move
         return points, value, gradient
+
+    def _values(self, points: Floats) -> tuple[Floats, Floats]:
+        """The values (k, n) and gradients (k, dim, n) of all leaves at points (n, dim)."""
+        kernel = _leaf_kernel(self.shape)
+        given = kernel.letters.values_with(self.letters)
+        out = np.empty((len(kernel.program.outputs), len(points)))
+        letters = [given[name] for name in kernel.program.letters]
+        run_in_blocks(kernel.function, list(points.T.copy()), letters, out, kernel.threads)
+        parts = out.reshape(-1, 1 + self.shape.dimension, len(points))
+        return parts[:, 0], parts[:, 1:]
 
 
 def _alike(one: Floats, other: Floats) -> Flags:

@@ -80,7 +80,12 @@ class Bricks:
                 ends = [k for k in range(self.joined) if self.holds(k, cell)] if not self._united(other) else []
                 ends += [k for k in range(self.joined, len(self.boxes)) if self.holds(k, other)]
                 middle = [place + 0.5 * (1 + way * (k == axis)) for k, place in enumerate(cell)]
-                yield middle, axis, frozenset(self.names[k] for k in ends) - {""}
+                yield middle, axis, frozenset().union(*map(self._called, ends))
+
+    def _called(self, number):
+        """The names of a box: of one box twice, joined and cut out, it is not known which is meant."""
+        own = self.boxes[number]
+        return {name for box, name in zip(self.boxes, self.names, strict=True) if box == own and name}
 
     def _united(self, cell):
         return any(self.holds(k, cell) for k in range(self.joined))
