@@ -9,6 +9,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.bounding import BoundingBox
 from rsym.model.equation import substituted
 from rsym.model.letters import Letters
 from rsym.model.primitives.formulas import ROOM, between
@@ -55,13 +56,14 @@ def revolve(shape: Shape, axis: Any = x) -> Shape:
     third = _third(shape)
     turning = shape.coordinates[1 - names.index(str(axis))]
     radius = sp.sqrt(turning**2 + third**2)
-    bounds = None
-    if shape.bounds is not None:
-        reach = max(abs(end) for end in shape.bounds[1 - names.index(str(axis))])
-        around = (-reach, reach)
-        kept = shape.bounds[names.index(str(axis))]
-        bounds = (kept, around, around) if names.index(str(axis)) == 0 else (around, kept, around)
-    return substituted(shape, {turning: radius}, coordinates=(*shape.coordinates, third), bounds=bounds)
+
+    def swept(ends: Bounds) -> Bounds:
+        reach = max(abs(end) for end in ends[1 - names.index(str(axis))])
+        around, kept = (-reach, reach), ends[names.index(str(axis))]
+        return (kept, around, around) if names.index(str(axis)) == 0 else (around, kept, around)
+
+    box = shape.box and shape.box.mapped(swept)
+    return substituted(shape, {turning: radius}, coordinates=(*shape.coordinates, third), box=box)
 
 
 def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -87,7 +89,7 @@ def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, lette
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
     slab = between(third, low, high, given)
     heights = (default(low, given), default(high, given))
-    return _joined(shape, slab, (third,), system, letters, _with_heights(shape.bounds, heights))
+    return _joined(shape, slab, (third,), system, letters, _with_heights(shape.box, heights))
 
 
 def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -159,9 +161,9 @@ def section(shape: Shape, axis: Any, place: Any = 0, *, letters: LetterMapping =
         )
     gone = names.index(str(axis))
     coordinates = tuple(symbol for k, symbol in enumerate(shape.coordinates) if k != gone)
-    bounds = None if shape.bounds is None else tuple(pair for k, pair in enumerate(shape.bounds) if k != gone)
+    box = shape.box and shape.box.mapped(lambda ends: tuple(pair for k, pair in enumerate(ends) if k != gone))
     places = {shape.coordinates[gone]: number(place, "the place")}
-    return substituted(shape, places, coordinates=coordinates, letters=letters, bounds=bounds)
+    return substituted(shape, places, coordinates=coordinates, letters=letters, box=box)
 
 
 def sweep(
@@ -218,11 +220,9 @@ def sweep(
         parts=tuple((name, substitute(part, changed)) for name, part in profile.parts),
     )
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
-    bounds = _with_heights(
-        None if changed else profile.bounds, (default(low, moving.letters), default(high, moving.letters))
-    )
+    box = _with_heights(None if changed else profile.box, (default(low, moving.letters), default(high, moving.letters)))
     slab = between(_third(profile), low, high, moving.letters)
-    return _joined(moving, slab, (), system, None, bounds)
+    return _joined(moving, slab, (), system, None, box)
 
 
 def _plane(shape: Shape, what: str) -> None:
@@ -256,24 +256,22 @@ def _joined(
     more: tuple[sp.Symbol, ...],
     system: RSystem,
     letters: LetterMapping,
-    bounds: Bounds | None,
+    box: BoundingBox | None,
 ) -> Shape:
     """The conjunction with an expression in more coordinates."""
     return Shape(
         system.conjunction(shape.expression, other),
         (*shape.coordinates, *more),
         letters=shape.letters.merge(letters),
-        bounds=bounds,
+        box=box,
         parts=shape.parts,
     )
 
 
-def _with_heights(bounds: Bounds | None, heights: tuple[float, float]) -> Bounds | None:
+def _with_heights(box: BoundingBox | None, heights: tuple[float, float]) -> BoundingBox | None:
     """The box of a plane shape made a box in space, a tenth of the height free above and below."""
-    if bounds is None:
-        return None
     room = ROOM * (heights[1] - heights[0])
-    return (*bounds, (heights[0] - room, heights[1] + room))
+    return box and box.mapped(lambda ends: (*ends, (heights[0] - room, heights[1] + room)))
 
 
 def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Shape:
@@ -297,8 +295,8 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     require_shape(shape)
     grown, known = number(distance, "a distance"), shape.letters.merge(letters)
     room = max(default(grown, known), 0.0)
-    bounds = None if shape.bounds is None else tuple((low - room, high + room) for low, high in shape.bounds)
-    return Shape(shape.expression + grown, shape.coordinates, letters=known, bounds=bounds)
+    box = shape.box and shape.box.mapped(lambda ends: tuple((low - room, high + room) for low, high in ends)).likely
+    return Shape(shape.expression + grown, shape.coordinates, letters=known, box=box)
 
 
 def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -323,4 +321,4 @@ def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: Letter
     known = shape.letters.merge(letters)
     depth = positive(thickness, "the thickness", known)
     wall = system.conjunction(shape.expression, depth - shape.expression)
-    return Shape(wall, shape.coordinates, letters=known, bounds=shape.bounds, parts=shape.parts)
+    return Shape(wall, shape.coordinates, letters=known, box=shape.box, parts=shape.parts)

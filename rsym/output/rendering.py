@@ -216,7 +216,7 @@ def thumbnail(shape: Shape) -> str:
     >>> thumbnail(rsym.sphere(1))[:19], thumbnail(rsym.cylinder(1))
     ('<img alt="the body"', '')
     """
-    if shape.dimension != 3 or shape.bounds is None or sum(1 for _ in postorder(shape.expression)) > MOST_NODES:
+    if shape.dimension != 3 or shape.box is None or sum(1 for _ in postorder(shape.expression)) > MOST_NODES:
         return ""
     try:
         with warnings.catch_warnings():

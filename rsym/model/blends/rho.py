@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 
@@ -88,6 +88,7 @@ class Rho(RSystem):
     0.0
     """
 
+    keeps_sets: ClassVar[bool] = False
     radius: Any
     continuity: str = "G1"
     cosine: Any = 0
