@@ -106,7 +106,8 @@ def test_where_leaves_have_a_cut_nothing_is_undecided():
 
 
 def test_without_a_compiler_rays_meet_the_same(monkeypatch):
-    bodies = [rsym.sphere(1) - rsym.sphere(1 - 1e-4), rsym.Shape(STEEP["a jump"], (x, y, z), bounds=BOX)]
+    shell = rsym.sphere(1) - rsym.sphere(1 - 1e-4)
+    bodies = [shell.replace(bounds=BOX), rsym.Shape(STEEP["a jump"], (x, y, z), bounds=BOX)]
     fast = [looked_at(body) for body in bodies]
     monkeypatch.setattr(casting, "default_backend", lambda: "numpy")
     for body, image in zip(bodies, fast, strict=True):
