@@ -15,10 +15,10 @@ from rsym.arrays import Floats, Shorts
 from rsym.backends.kernel import checked_threads
 from rsym.backends.registry import default_backend
 from rsym.errors import RsymError
-from rsym.model.equation import checked_bounds
+from rsym.model.bounding import checked_bounds
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.hits import Hits, Rays, Seen
 from rsym.sampling.labels import Labeller, Labels
@@ -89,7 +89,7 @@ class Caster:
     @cached_property
     def bounds(self) -> Bounds:
         """The box that the body is cut off at, for the letters as they are."""
-        return self._bounds or self.shape.bounds or extent(self.shape, self.letters)
+        return bounds_or_extent(self.shape, self._bounds, self.letters)
 
     @cached_property
     def leaves(self) -> tuple[str, ...]:
