@@ -12,6 +12,7 @@ from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.bounding import BoundingBox
 from rsym.model.equation import substituted
 from rsym.model.letters import Letters
+from rsym.model.parallels import Parallel
 from rsym.model.primitives.formulas import ROOM, between
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
@@ -275,10 +276,12 @@ def _with_heights(box: BoundingBox | None, heights: tuple[float, float]) -> Boun
 
 
 def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Shape:
-    """The body grown by a distance, shrunk by a negative one: omega + distance.
+    """The body grown by a distance, shrunk by a negative one: every leaf moved by it, in the same R-operations.
 
-    It is the true offset as far as omega measures distance: near the boundary if omega is normalised, everywhere
-    if it is exact.
+    Leaves that are functions of a distance (planes, slabs, discs, balls, cylinders, cones, tori, capsules, moved and
+    scaled) move by exactly that, others as far as omega measures distance: omega + distance. Edges stay edges; fillets
+    of `Rho` keep the middle of their circle. Where that is not known to be the true offset, as at convex edges that
+    grow, its distance from the body is measured, and an RsymWarning says between what it is if that is a hundredth off.
 
     Raises
     ------
@@ -288,22 +291,27 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     Examples
     --------
     >>> import rsym
-    >>> from rsym import x, y
-    >>> rsym.offset(rsym.Shape(x, (x, y)), 2).expression
-    x + 2
+    >>> rsym.offset(rsym.disc(10), 2).expression == rsym.disc(12).expression
+    True
+    >>> rsym.offset(rsym.box(60, 40, 25), -2).expression
+    conjunction(14 - x**2/56, 9 - y**2/36, 21/4 - z**2/21)
     """
     require_shape(shape)
     grown, known = number(distance, "a distance"), shape.letters.merge(letters)
     room = max(default(grown, known), 0.0)
     box = shape.box and shape.box.mapped(lambda ends: tuple((low - room, high + room) for low, high in ends)).likely
-    return Shape(shape.expression + grown, shape.coordinates, letters=known, box=box)
+    parallel = Parallel(shape.coordinates, known)
+    moved = Shape(parallel.moved(shape.expression, grown), shape.coordinates, letters=known, box=box)
+    _tell_of_range(parallel, shape, moved, default(grown, known), "offset")
+    return moved
 
 
 def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
-    """The wall inside a body, from its boundary to the depth `thickness`: omega and thickness - omega.
+    """The wall inside a body, from its boundary to the depth `thickness`: omega, and not the body shrunk by it.
 
-    The two never vanish together, so nothing is lost in smoothness; normalised to order 1 where omega is 0, and
-    on the inner side as far as |grad omega| = 1 there.
+    The body is shrunk as `offset` does it, so that the wall has this thickness wherever leaves know their distances;
+    elsewhere the true one is measured, and an RsymWarning says between what it is. The two boundaries never meet, so
+    nothing is lost in smoothness; normalised to order 1 where omega is.
 
     Raises
     ------
@@ -316,9 +324,22 @@ def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: Letter
     >>> from rsym import x, y
     >>> rsym.shell(rsym.Shape(x, (x, y)), 2).expression
     conjunction(x, 2 - x)
+    >>> round(rsym.measure(rsym.shell(rsym.rectangle(6, 4), 1)).area, 9)
+    16.0
     """
     require_shape(shape)
     known = shape.letters.merge(letters)
     depth = positive(thickness, "the thickness", known)
-    wall = system.conjunction(shape.expression, depth - shape.expression)
+    parallel = Parallel(shape.coordinates, known)
+    inner = Shape(parallel.moved(shape.expression, -depth), shape.coordinates, letters=known, box=shape.box)
+    _tell_of_range(parallel, shape, inner, default(depth, known), "thickness")
+    wall = system.conjunction(shape.expression, -inner.expression)
     return Shape(wall, shape.coordinates, letters=known, box=shape.box, parts=shape.parts)
+
+
+def _tell_of_range(parallel: Parallel, body: Shape, moved: Shape, distance: float, what: str) -> None:
+    """Have it measured how far the moved boundary is from that of the body, where that is in doubt."""
+    if parallel.doubt:
+        from rsym.sampling.offsets import tell_of_range
+
+        tell_of_range(body, moved, distance, what, parallel.doubt)
