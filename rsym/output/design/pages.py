@@ -43,7 +43,7 @@ from rsym.program.program import live
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.sampling.ray_steps import CROSSING, PATIENCE, SHORTEST
+from rsym.sampling.ray_steps import PAGE_CROSSING, PAGE_SHORTEST, PATIENCE
 
 # Of a formula that is drawn. Unions of balls of 308, 583, 862 and 1077 operations take 2.5, 7, 7 and 13 s to their
 # first picture without a graphics processor, and compile in nearly all of it.
@@ -174,7 +174,7 @@ def _of_space(shape: Shape, form: SignForm, box: Bounds) -> _Picture:
         body = mesh(shape, CELLS, bounds=box)
     head, rays = _text("head.glsl"), _text("rays.glsl")
     own = head + texts.uniforms.declaration + rays
-    steps = f"const float CROSSING = {CROSSING}, SHORTEST = {SHORTEST}, PATIENCE = {PATIENCE};\n"
+    steps = f"const float CROSSING = {PAGE_CROSSING}, SHORTEST = {PAGE_SHORTEST}, PATIENCE = {PATIENCE};\n"
     shaders = {
         "trace": f"{own}{steps}{texts.point}\n{texts.model}\n{_text('trace.glsl')}",
         "surface": f"{own}{texts.leaf}\n{_text('surface.glsl')}",
