@@ -108,7 +108,8 @@ class Faces:
     def active(self, values: Sequence[T], equal: Callable[[T, T], Any], least: Mapping[str, Any], top: T) -> list[Any]:
         """For each face where it gives the form its value, from the values of the leaves.
 
-        `equal` compares values, `least` has the functions "min" and "max", `top` is true everywhere.
+        Values may be arrays, such as of signs on both sides of a surface. `equal` compares them, `least` has the
+        functions "min" and "max", `top` is true everywhere.
         """
         made = through(self.form.gates, values, lambda gate, first, second: least[gate.operation](first, second))
         found: list[Any] = []

@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 from rsym.atomic import write_atomically
 from rsym.errors import RsymWarning
 from rsym.logic.leaf_names import leaf_names
+from rsym.logic.separation import separated
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Bounds, Shape
@@ -123,8 +124,9 @@ def page_of(
     """
     require_shape(shape)
     source, title = source or Source(), title or "shape"
-    box, form = bounds_or_extent(shape, bounds), shape_form(shape)
-    names = leaf_names(form, shape)
+    box, apart = bounds_or_extent(shape, bounds), separated(shape)  # a leaf of two parts is two, each with its colour
+    form = shape_form(apart)
+    names = leaf_names(form, apart)
     if shape.dimension == 2:
         picture = _of_plane(shape, form, box)
     elif operations_of(form) <= MOST_OPERATIONS:
@@ -138,7 +140,7 @@ def page_of(
         "coordinates": [symbol.name for symbol in shape.coordinates],
         "bounds": [[float(end) for end in side] for side in box],
         "leaves": list(names),
-        "parts": _parts(form, names, shape),
+        "parts": _parts(form, names, apart),
         "served": served,
         "python": source.python,
         "services": _services(shape, source, title),
