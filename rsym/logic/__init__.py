@@ -11,6 +11,7 @@ In comes a shape or a node of a program; out go its leaves, the gates that join 
 - `branches`: products, quotients and choices anywhere in a leaf as gates
 - `leaf_parts`: large leaves as functions of the minima and maxima inside them
 - `faces`: the places of a leaf in the formula, by the parts around it; which are active, and what they are called
+- `separation`: equal leaves of several parts as several functions
 - `leaf_names`: what the leaves are called, by the parts of the shape
 - `weights`: functions that vanish on some leaves and nowhere else
 - `kleene`: formulas of leaves with three signs, for boxes on which some are known

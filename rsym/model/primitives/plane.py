@@ -114,7 +114,7 @@ def disc(radius: Any = 1, centre: Any = (0, 0), exact: bool = False, *, letters:
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 2, "the centre")
     expression = within(squared(minus(PLANE, centre)), radius, exact)
-    return Shape(expression, PLANE, letters=letters, bounds=centred(centre, (radius, radius), letters))
+    return Shape(expression, PLANE, letters=letters, box=centred(centre, (radius, radius), letters))
 
 
 def ellipse(
@@ -199,4 +199,4 @@ def rectangle(
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 2, "the centre")
     strips = (within(part**2, half) for half, part in zip(halves, minus(PLANE, centre), strict=True))
-    return Shape(system.conjunction(*strips), PLANE, letters=letters, bounds=centred(centre, halves, letters))
+    return Shape(system.conjunction(*strips), PLANE, letters=letters, box=centred(centre, halves, letters))

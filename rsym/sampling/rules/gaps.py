@@ -207,7 +207,7 @@ def _let_notches(start: Floats, width: Floats, near: float, held: Flags) -> None
     They meet, too, where a gap is as good as nothing against what it is beside: where circles touch.
     """
     others = cKDTree(start.T).query_ball_point(start.T, near)
-    for number in np.argsort(width):
+    for number in np.argsort(width, kind="stable"):
         beside = np.array(others[number])
         touches = width[number] <= TOUCHING * width[beside].max()
         if touches or (~held[beside] & (width[beside] <= THINNER * width[number])).any():

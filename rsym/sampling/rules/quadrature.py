@@ -15,10 +15,9 @@ from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError, warn
 from rsym.logic.sign_form import shape_form
-from rsym.model.equation import checked_bounds
 from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.labels import Labeller, Labels, labels_of
 from rsym.sampling.rules.columns import CellRule, rules_joined
 from rsym.sampling.rules.division import (
@@ -203,7 +202,8 @@ class Prepared:
     """A shape at letters within bounds, ready for rules.
 
     `owner` is the leaf of the shape that each leaf of the functions comes from, and `parts` are the names of these;
-    `sides` are those that are bounds nobody asked for: the shape's own. `called` labels points of these leaves.
+    `sides` are those that are bounds nobody asked for: those that the shape states, or, if not `stated`, those of a box
+    that holds its boundary. `called` labels points of these leaves.
     """
 
     functions: Any
@@ -211,7 +211,8 @@ class Prepared:
     parts: tuple[str, ...]
     owner: Ints
     sides: range = range(0)
-    called: Callable[[Floats, Ints], Labels] | None = None
+    called: Labeller | None = None
+    stated: bool = True
 
     def labels(self, rule: CellRule) -> Labels:
         """Which parts the points of the boundary in a rule belong to."""
@@ -231,6 +232,8 @@ class Prepared:
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
         leaves = self.owner[rule.edge_leaf]
+        if self.called is not None:
+            leaves = self.called.leaves(rule.edge_points.T, leaves)
         self.warn_of_cuts(leaves)
         boundary = BoundaryQuadrature(
             rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts, self.called
@@ -262,8 +265,10 @@ class Prepared:
                 )
 
     def warn_of_cuts(self, leaves: Ints) -> None:
-        """Say which of the shape's own bounds cut it, where the boundary is on these leaves."""
+        """Say which of the bounds that the shape states cut it, where the boundary is on these leaves."""
         cut = [self.parts[leaf].removeprefix("cap ") for leaf in np.unique(leaves) if leaf in self.sides]
+        if cut and not self.stated:
+            raise _unbounded()
         if cut:
             warn(
                 f"the shape's own bounds cut it: {', '.join(cut)}; give bounds=shape.bounds if they are meant to, "
@@ -329,26 +334,29 @@ class Prepared:
 
 
 def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Prepared:
-    """A shape within the bounds given, else its own, which cap it, else its extent."""
+    """A shape within the bounds given or stated, which cap it, else all of it."""
     require_shape(shape)
-    box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     optional_package("numba", "a rule of integration")
     # Without numba the rest of the package can be imported.
     from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 
-    form = rule_form(shape, box is not None)
-    known = extent(shape, letters) if box is None else box
+    known, whole = bounds_or_extent(shape, bounds, letters), bounds is None and shape.bounds is None
+    form = rule_form(shape, not whole or shape.box is not None)
     functions = LeafFunctions(shape, form.form, letters, known)
-    if box is None and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
-        raise RsymError(
-            "the inside of the shape is unbounded",
-            code="unbounded",
-            remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
-        )
-    own = 2 * shape.dimension if bounds is None and box is not None else 0
+    if whole and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
+        raise _unbounded()
+    own = 2 * shape.dimension if bounds is None and shape.box is not None else 0
     count = len(form.names)
-    called = partial(Labeller(shape, letters), behind=form.names[len(shape_form(shape).leaves) :])
-    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called)
+    called = Labeller(shape, letters, form.names[len(shape_form(shape).leaves) :])
+    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called, stated=not whole)
+
+
+def _unbounded() -> RsymError:
+    return RsymError(
+        "the inside of the shape is unbounded",
+        code="unbounded",
+        remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
+    )
 
 
 def grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:

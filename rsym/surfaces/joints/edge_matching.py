@@ -353,7 +353,7 @@ def _climbed(stretch: Stretch, found: Comparison, tolerated: Floats) -> Comparis
     for _ in range(ROUNDS):
         values, last = _known(found.values), len(found.t) - 1
         worth = values[values.max(axis=1) > NEGLIGIBLE * tolerated]
-        best = np.argsort(worth, axis=1)[:, -PEAKS:]
+        best = np.argsort(worth, axis=1, kind="stable")[:, -PEAKS:]
         peaks = np.unique(best)
         low, high = found.t[np.maximum(peaks - 1, 0)], found.t[np.minimum(peaks + 1, last)]
         shares = np.arange(1, INNER + 1) / (INNER + 1)

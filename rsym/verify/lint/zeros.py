@@ -104,7 +104,8 @@ def _starts(functions: Functions, cloud: Floats) -> tuple[Ints, Floats]:
             distances[:, start : start + functions.portion] = np.abs(values) / np.linalg.norm(gradients, axis=2)
     distances[~np.isfinite(distances)] = np.inf
     count = min(SAMPLES, len(cloud), max(FEWEST, EVALUATIONS // functions.count**2))
-    nearest = np.argpartition(distances, count - 1, axis=1)[:, :count]
+    # In the order of the cloud: in which one a partition leaves them depends on the processor.
+    nearest = np.sort(np.argpartition(distances, count - 1, axis=1)[:, :count], axis=1)
     usable = np.isfinite(np.take_along_axis(distances, nearest, axis=1)).ravel()
     which = np.repeat(np.arange(functions.count), count)
     return which[usable], cloud[nearest.ravel()[usable]]
