@@ -156,22 +156,6 @@ def refined(
         apart = _apart(now, last, older, count * highest / along)
         return Refined(sums, before, count, highest, apart)
 
-    def told() -> Refined:
-        if np.isinf(found.errors).any():
-            warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
-        elif (over := found.beyond(least)).any():
-            with np.errstate(divide="ignore"):
-                worst = float((found.errors[over] / found.found.scales[over]).max())
-            if found.improves(least).any():
-                why = (
-                    f"so much do rules of {points:.1e} points differ; near= points where the function or the boundary "
-                    "varies fast may help"
-                )
-            else:
-                why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
-            warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
-        return found
-
     dimension = shape.functions.dimension
     towards = replace(grading(near, dimension), falling=FALLING[dimension])
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
@@ -197,21 +181,39 @@ def refined(
             if not found.improves(least).any():
                 finer = FINER[dimension] * count + 1
                 if not peaks or (finer / count) ** dimension * points > MOST_POINTS[dimension]:
-                    return told()
+                    return told(found, points, least)
                 first, earlier, before, along = earlier, before, sums.values, count * highest
                 spacing = along
                 count, highest = finer, order
                 sums, points = summed()
                 found = compared()
                 if not found.improves(least).any():
-                    return told()
+                    return told(found, points, least)
             if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
-                return told()
+                return told(found, points, least)
     except OutOfTime:
-        if np.isinf(found.errors).any():
-            warn("an integral is not known: the time was up before two rules were made; timeout= may give more")
-            return found
-        return told()
+        if not np.isinf(found.errors).any():
+            return told(found, points, least)
+        warn("an integral is not known: the time was up before two rules were made; timeout= may give more")
+        return found
+
+
+def told(found: Refined, points: int, least: float) -> Refined:
+    """The sums; what they leave open beyond a tolerance is warned of."""
+    if np.isinf(found.errors).any():
+        warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
+    elif (over := found.beyond(least)).any():
+        with np.errstate(divide="ignore"):
+            worst = float((found.errors[over] / found.found.scales[over]).max())
+        if found.improves(least).any():
+            why = (
+                f"so much do rules of {points:.1e} points differ; near= points where the function or the boundary "
+                "varies fast may help"
+            )
+        else:
+            why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
+        warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
+    return found
 
 
 def unknown(sums: Sums, cells: int, order: int) -> Refined:
