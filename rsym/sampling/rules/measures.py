@@ -168,7 +168,6 @@ def measure(
     """Area or volume, length or surface, whole and by part, centroid and second moments of a shape.
 
     They are integrals by `quadrature`, so of the equation and not of facets; errors and parameters as in `integrate`.
-    The boundary is that of the inside: where it ends at a pole, or at sides of bounds, these count.
     After a `timeout` in seconds what is known by then is returned, with an infinite error where that is nothing; the
     report says unknown of what is off by more than it is.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -203,7 +203,8 @@ class Prepared:
 
     `owner` is the leaf of the shape that each leaf of the functions comes from, and `parts` are the names of these;
     `sides` are those that are bounds nobody asked for: those that the shape states, or, if not `stated`, those of a box
-    that holds its boundary. `called` labels points of these leaves.
+    that holds its boundary. `called` labels points of these leaves. `walls` are those where the shape ends with its
+    domain or at a pole: omega is not zero there, and nothing of them counts.
     """
 
     functions: Any
@@ -213,6 +214,7 @@ class Prepared:
     sides: range = range(0)
     called: Labeller | None = None
     stated: bool = True
+    walls: tuple[int, ...] = ()
 
     def labels(self, rule: CellRule) -> Labels:
         """Which parts the points of the boundary in a rule belong to."""
@@ -274,6 +276,11 @@ class Prepared:
                 f"the shape's own bounds cut it: {', '.join(cut)}; give bounds=shape.bounds if they are meant to, "
                 "else bounds=rsym.extent(shape), or wider ones"
             )
+        if np.isin(leaves, self.walls).any():
+            warn(
+                "the shape ends where a part of it has no value beyond, or at a pole: omega is not zero there, and "
+                "that is not counted as boundary"
+            )
 
     def grid(self, cells: int, aside: bool = False) -> CellGrid:
         """Cubical cells, so many along the longest side; moved `aside`, so that planes of symmetry are none of theirs.
@@ -303,7 +310,15 @@ class Prepared:
         """
         require_count("order", order, "the number of points along each direction of a cell, for example 8")
         towards = grading(near, self.functions.dimension)
-        make = partial(rule_portion, self.functions, grid, order=order, near=towards, until=until)
+
+        def make(cells: Ints) -> RulePortion:
+            portion = rule_portion(self.functions, grid, cells, order, towards, until)
+            on_walls = np.isin(self.owner[portion.rule.edge_leaf], self.walls)
+            if not on_walls.any():
+                return portion
+            weights = np.where(on_walls, 0.0, portion.rule.edge_weights)
+            return replace(portion, rule=replace(portion.rule, edge_weights=weights))
+
         some, count = self._some_cells(grid, order, towards, number), checked_threads(threads)
         many = count > 1 and len(some) > 1
         yield from lasting_threads("rsym-rules", count).map(make, some) if many else map(make, some)
@@ -348,7 +363,8 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
     own = 2 * shape.dimension if bounds is None and shape.box is not None else 0
     count = len(form.names)
     called = Labeller(shape, letters, form.names[len(shape_form(shape).leaves) :])
-    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called, stated=not whole)
+    sides = range(count - own, count)
+    return Prepared(functions, known, form.names, form.owner, sides, called, not whole, form.walls)
 
 
 def _unbounded() -> RsymError:
