@@ -12,7 +12,7 @@ from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.bounding import BoundingBox
 from rsym.model.equation import substituted
 from rsym.model.letters import Letters
-from rsym.model.parallels import Parallel
+from rsym.model.parallels import Parallel, lengths
 from rsym.model.primitives.formulas import ROOM, between
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
@@ -88,7 +88,7 @@ def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, lette
     _plane(shape, "extrude")
     third, given = _third(shape), shape.letters.merge(letters)
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
-    slab = between(third, low, high, given)
+    slab = between(third, low, high, given, not system.keeps_sets)
     heights = (default(low, given), default(high, given))
     return _joined(shape, slab, (third,), system, letters, _with_heights(shape.box, heights))
 
@@ -222,7 +222,7 @@ def sweep(
     )
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
     box = _with_heights(None if changed else profile.box, (default(low, moving.letters), default(high, moving.letters)))
-    slab = between(_third(profile), low, high, moving.letters)
+    slab = between(_third(profile), low, high, moving.letters, not system.keeps_sets)
     return _joined(moving, slab, (), system, None, box)
 
 
@@ -259,9 +259,10 @@ def _joined(
     letters: LetterMapping,
     box: BoundingBox | None,
 ) -> Shape:
-    """The conjunction with an expression in more coordinates."""
+    """The conjunction with an expression in more coordinates; a system that rounds edges is given lengths."""
+    inside = shape.expression if system.keeps_sets else lengths(shape.expression, shape.coordinates, shape.letters)
     return Shape(
-        system.conjunction(shape.expression, other),
+        system.conjunction(inside, other),
         (*shape.coordinates, *more),
         letters=shape.letters.merge(letters),
         box=box,

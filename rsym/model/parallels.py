@@ -17,7 +17,7 @@ from rsym.model.blends.folds import BlendOperation
 from rsym.model.blends.rho import CircularOperation
 from rsym.model.distances import Coordinates, transnormal
 from rsym.model.nodes import Scaled
-from rsym.model.rnodes import R0Conjunction, R0Disjunction, ROperation
+from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, ROperation
 
 
 @dataclass
@@ -109,3 +109,22 @@ def _is_gate(part: sp.Expr) -> bool:
     return isinstance(part, ROperation) and (
         not isinstance(part, BlendOperation) or isinstance(part, CircularOperation)
     )
+
+
+def lengths(part: sp.Expr, coordinates: Coordinates, letters: LetterMapping = None) -> sp.Expr:
+    """The distance as far as leaves know it: leaf by leaf, in min and max; what does not stays as it is.
+
+    Examples
+    --------
+    >>> from rsym import conjunction, x, y
+    >>> lengths(conjunction(1 - x**2 / 4, 3 * y), (x, y))
+    conjunction(2 - Abs(x), y, system=R1)
+    """
+    factor, rest = part.as_coeff_Mul()
+    if factor == -1:
+        return -lengths(rest, coordinates, letters)
+    if _is_gate(part) and not isinstance(part, BlendOperation):
+        joined = R1Conjunction if part.sign < 0 else R1Disjunction
+        return joined(*(lengths(operand, coordinates, letters) for operand in part.operands))
+    found = transnormal(part, coordinates)
+    return part if found is None else found.distance(letters)

@@ -29,8 +29,8 @@ def within(squared: sp.Expr, radius: sp.Expr, exact: bool = False) -> sp.Expr:
     return radius - sp.sqrt(squared) if exact else (radius**2 - squared) / (2 * radius)
 
 
-def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = None) -> sp.Expr:
-    """(b - s)*(s - a)/(b - a): positive between a and b, normalised to order 1.
+def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = None, exact: bool = False) -> sp.Expr:
+    """(b - s)*(s - a)/(b - a): positive between a and b, normalised to order 1; exact (b - a)/2 - |s - (a + b)/2|.
 
     Raises
     ------
@@ -51,6 +51,8 @@ def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = Non
             code="interval",
             remedy="exchange the two",
         )
+    if exact:
+        return (high - low) / 2 - sp.Abs(place - (low + high) / 2)
     return (high - place) * (place - low) / (high - low)
 
 

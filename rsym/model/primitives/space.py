@@ -99,7 +99,7 @@ def box(
     """The conjunction of three slabs (a**2 - x**2)/(2 a), a half the side: width along x, depth y, height z.
 
     Normalised to order 1 on the faces, in R_0. Analytic there except on the lines through edges, where it is
-    continuous.
+    continuous. In `Rho`, which takes lengths, of a - |x|: edges are cylinders and corners balls of exactly that radius.
 
     Raises
     ------
@@ -115,7 +115,9 @@ def box(
     sides = (("width", width), ("depth", depth), ("height", height))
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 3, "the centre")
-    slabs = (within(part**2, half) for half, part in zip(halves, minus(SPACE, centre), strict=True))
+    slabs = (
+        within(part**2, half, not system.keeps_sets) for half, part in zip(halves, minus(SPACE, centre), strict=True)
+    )
     return Shape(system.conjunction(*slabs), SPACE, letters=letters, box=centred(centre, halves, letters))
 
 
@@ -130,7 +132,7 @@ def cylinder(
     """(R**2 - rho**2)/(2 R), rho the distance from the axis, parallel to z; cut by a slab where there is a height.
 
     Normalised to order 1 on the mantle and the ends, in R_0. Analytic there, axis included, except on the rims, where
-    it is continuous. Without a height it is infinite and has no bounds.
+    it is continuous. In `Rho`, which takes lengths, of R - rho and a - |z|. Without a height it is infinite.
 
     Raises
     ------
@@ -148,12 +150,14 @@ def cylinder(
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 3, "the centre")
     across, up, along = minus(SPACE, centre)
-    mantle = within(across**2 + up**2, radius)
+    mantle = within(across**2 + up**2, radius, height is not None and not system.keeps_sets)
     if height is None:
         return Shape(mantle, SPACE, letters=letters)
     half = positive(height, "the height", letters) / 2
     box = centred(centre, (radius, radius, half), letters)
-    return Shape(system.conjunction(mantle, within(along**2, half)), SPACE, letters=letters, box=box)
+    return Shape(
+        system.conjunction(mantle, within(along**2, half, not system.keeps_sets)), SPACE, letters=letters, box=box
+    )
 
 
 def capsule(
@@ -260,7 +264,12 @@ def frustum(
     mantle = _mantle(bottom, top, height, rho, up)
     widest = max(bottom, top, key=lambda radius: default(radius, letters))
     box = _box(base, widest, height, letters)
-    return Shape(system.conjunction(mantle, between(up, 0, height, letters)), SPACE, letters=letters, box=box)
+    return Shape(
+        system.conjunction(mantle, between(up, 0, height, letters, not system.keeps_sets)),
+        SPACE,
+        letters=letters,
+        box=box,
+    )
 
 
 def nappe(
