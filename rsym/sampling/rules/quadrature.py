@@ -33,6 +33,7 @@ ORDER = 8
 PAIRS = 2**17  # of cells and leaves that are looked at at once
 CUT_AT_ONCE = 1024  # cells that the boundary may cross, of which rules are made at once
 POINTS = 2**20  # of such rules, about
+ASIDE = np.array([0.381966, 0.414214, 0.442777])  # of a cell, as lattices of meshes are
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,7 +228,7 @@ class Prepared:
         grid = self.grid(cells)
         made = list(self.portions(grid, order, near, threads))
         made = made or [
-            rule_portion(self.functions, grid, np.arange(0), order, _grading(None, self.functions.dimension))
+            rule_portion(self.functions, grid, np.arange(0), order, grading(None, self.functions.dimension))
         ]
         rule = rules_joined([portion.rule for portion in made])  # by cell, as portions are
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
@@ -281,33 +282,48 @@ class Prepared:
                 "that is not counted as boundary"
             )
 
-    def grid(self, cells: int) -> CellGrid:
-        """Cubical cells, so many along the longest side."""
+    def grid(self, cells: int, aside: bool = False) -> CellGrid:
+        """Cubical cells, so many along the longest side; moved `aside`, so that planes of symmetry are none of theirs.
+
+        On these leaves cross, touch or are singular along sides of cells.
+        """
         require_count("cells", cells, "the number of cells along the longest side, for example 32")
         size = max(high - low for low, high in self.box) / cells
         counts = tuple(max(1, math.ceil((high - low) / size - 1e-9)) for low, high in self.box)
-        return CellGrid(np.array([low for low, _ in self.box], float), size, counts)
+        lower = np.array([low for low, _ in self.box], float)
+        if aside:
+            return CellGrid(lower - size * ASIDE[: len(counts)], size, tuple(count + 1 for count in counts))
+        return CellGrid(lower, size, counts)
 
     def portions(
-        self, grid: CellGrid, order: int, near: ArrayLike | Grading | None, threads: int | None
+        self,
+        grid: CellGrid,
+        order: int,
+        near: ArrayLike | Grading | None,
+        threads: int | None,
+        number: float = 1.0,
+        until: float = math.inf,
     ) -> Iterator[RulePortion]:
-        """The rule in some cells after the other; the portions depend on the grid alone."""
+        """The rule in some cells after the other, in about so many portions or more; they depend on the grid alone.
+
+        At a time of the monotonic clock they end with `OutOfTime`.
+        """
         require_count("order", order, "the number of points along each direction of a cell, for example 8")
-        towards = _grading(near, self.functions.dimension)
+        towards = grading(near, self.functions.dimension)
 
         def make(cells: Ints) -> RulePortion:
-            portion = rule_portion(self.functions, grid, cells, order, towards)
+            portion = rule_portion(self.functions, grid, cells, order, towards, until)
             on_walls = np.isin(self.owner[portion.rule.edge_leaf], self.walls)
             if not on_walls.any():
                 return portion
             weights = np.where(on_walls, 0.0, portion.rule.edge_weights)
             return replace(portion, rule=replace(portion.rule, edge_weights=weights))
 
-        some, count = self._some_cells(grid, order, towards), checked_threads(threads)
+        some, count = self._some_cells(grid, order, towards, number), checked_threads(threads)
         many = count > 1 and len(some) > 1
         yield from lasting_threads("rsym-rules", count).map(make, some) if many else map(make, some)
 
-    def _some_cells(self, grid: CellGrid, order: int, near: Grading) -> list[Ints]:
+    def _some_cells(self, grid: CellGrid, order: int, near: Grading, number: float) -> list[Ints]:
         """The cells that the shape may meet, in parts of about as much work."""
         functions = self.functions
         size = max(1, PAIRS // functions.count)
@@ -326,7 +342,8 @@ class Prepared:
             cuts[cells] |= close(pieces, near.points) & fills[cells]
         self._require_finite(np.flatnonzero(~bounded), grid.corners(every))
         points = order**functions.dimension
-        work = np.cumsum(cuts / min(CUT_AT_ONCE, max(16, POINTS // (4 * points))) + fills * (points / POINTS))
+        share = max(1 / min(CUT_AT_ONCE, max(16, POINTS // (4 * points))), number / max(1, int(cuts.sum())))
+        work = np.cumsum(cuts * share + fills * (points / POINTS))
         met = np.flatnonzero(cuts | fills)
         return [cells for cells in np.split(met, np.flatnonzero(np.diff(work[met].astype(np.int64))) + 1) if len(cells)]
 
@@ -358,7 +375,7 @@ def _unbounded() -> RsymError:
     )
 
 
-def _grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
+def grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
     """Points (k, dim) from what was given."""
     if isinstance(near, Grading):
         return near
