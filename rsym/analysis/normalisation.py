@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -111,7 +112,8 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool 
     result = normalised(shape.expression, squared(gradient(shape)), unit)
     for step in range(2, order + 1):
         result = _next_order(result, step, shape.coordinates, keep_sign=keep_sign)
-    return shape.replace(expression=ZeroWith(shape.expression, result) if corners else result)
+    made = shape.replace(expression=ZeroWith(shape.expression, result) if corners else result)
+    return replace(made, box=shape.box) if order == 1 or keep_sign else made  # of order 1 it has the same sign
 
 
 def _corners(shape: Shape) -> list[Singularity]:

@@ -8,6 +8,7 @@ from typing import Any
 from rsym.analysis.normalisation import normalise
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, number
+from rsym.model.bounding import stated_box
 from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
@@ -65,5 +66,6 @@ def transform(
             remedy="for example {x: x - y**2}",
         )
     places = {known[name]: number(value, f"the place of {name}") for name, value in given.items()}
-    image = substituted(shape, places, letters=letters, bounds=bounds)
+    box = None if bounds is None else stated_box(bounds, shape.dimension)
+    image = substituted(shape, places, letters=letters, box=box)
     return normalise(image, length=length) if renormalise else image

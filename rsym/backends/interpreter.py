@@ -50,10 +50,11 @@ SWAYS = (-4, -3, -2, -1, 0, 1, 2, 3, 4)
 
 
 def check(program: Program, function: CompiledFunction, precision: Precision, shape: Shape) -> None:
-    """Compare with the interpreter at 32 points of the shape's bounds, what else varies from -1 to 1."""
+    """Compare with the interpreter at 32 points of the box of the shape, what else varies from -1 to 1."""
     generator = np.random.default_rng(20130605)
     more = len(program.coordinates) - shape.dimension
-    box = (*(shape.bounds or ((-1.0, 1.0),) * shape.dimension), *(((-1.0, 1.0),) * more))
+    own = shape.box.ends if shape.box else ((-1.0, 1.0),) * shape.dimension
+    box = (*own, *(((-1.0, 1.0),) * more))
     points = [generator.uniform(low, high, CHECK_POINTS).astype(precision.dtype) for low, high in box]
     check_at(program, function, precision, points, [float(shape.letters[name].default) for name in program.letters])
 

@@ -24,6 +24,7 @@ def add(commands: Commands) -> None:
         "--tolerance", type=float, default=1e-12, metavar="SHARE", help="of the errors, estimated (default: 1e-12)"
     )
     parser.add_argument("--cells", type=int, metavar="CELLS", help="along the longest side; without refinement")
+    parser.add_argument("--timeout", type=float, metavar="SECONDS", help="then what is known is printed")
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
 
 
@@ -31,5 +32,5 @@ def run(options: argparse.Namespace) -> None:
     """Measure, and print the report."""
     from rsym.sampling.rules.measures import measure
 
-    found = measure(load_shape(options), tolerance=options.tolerance, cells=options.cells)
+    found = measure(load_shape(options), tolerance=options.tolerance, cells=options.cells, timeout=options.timeout)
     print(found.to_json() if options.json else found)

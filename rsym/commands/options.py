@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
 from glob import glob
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
     from tqdm import tqdm
 
     from rsym.language.model import ModelFile
+    from rsym.model.bounding import Exact
     from rsym.model.letters import Letters
-    from rsym.model.shape import Bounds, Shape
+    from rsym.model.shape import Shape
     from rsym.model.systems import RSystem
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -291,14 +293,14 @@ def load_model(options: argparse.Namespace) -> Chosen:
     return Chosen(path, model, letters, shape.with_letters({name: letters[name] for name in shape.letters}))
 
 
-def _box(text: str, shape: Shape) -> Bounds:
-    """Bounds as they are typed, one range for each coordinate."""
+def _box(text: str, shape: Shape) -> Exact:
+    """Bounds as they are typed, decimals exact, one range for each coordinate."""
     single, box = ranges(text.split(","), "--bounds")
     names = [symbol.name for symbol in shape.coordinates]
     if single or sorted(box) != sorted(names):
         example = ",".join(f"{name}=-1:1" for name in names)
         raise RsymError(f"--bounds needs a range for each coordinate, got {text!r}", code="bounds", remedy=example)
-    return tuple(box[name] for name in names)
+    return tuple((Fraction(repr(low)), Fraction(repr(high))) for low, high in (box[name] for name in names))
 
 
 def load_shape(options: argparse.Namespace) -> Shape:

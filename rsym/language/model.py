@@ -35,8 +35,8 @@ from rsym.language.syntax import (
     postorder,
 )
 from rsym.language.syntax import Number as NumberWord
+from rsym.model.bounding import Exact
 from rsym.model.letters import Letter, Number
-from rsym.model.shape import Bounds
 from rsym.model.symbols import real_symbol
 from rsym.model.systems import R0, RSystem
 from rsym.model.wording import listing, proposal
@@ -49,7 +49,7 @@ class ModelFile:
     letters: Mapping[str, Letter]
     variants: Mapping[str, Mapping[str, Letter]]
     coordinates: tuple[str, ...]
-    bounds: Bounds | None
+    bounds: Exact | None
     system: RSystem
     assignments: tuple[Assignment, ...]
     parts: tuple[PartStatement, ...] = ()
@@ -121,7 +121,7 @@ class _Declarations:
             self._letters,
             {name: variant(statement, self._letters) for name, statement in self._variants.items()},
             coordinates,
-            None if self._bounds is None else bounds(self._bounds, coordinates),
+            None if self._bounds is None else bounds(self._bounds, coordinates, floats=self._verbatim),
             R0 if self._system is None else system(self._system, self._letters, floats=self._verbatim),
             tuple(self._assignments),
             tuple(self._parts),
@@ -252,9 +252,9 @@ def system(statement: SystemStatement, letters: Mapping[str, Letter], *, floats:
     return family(real_symbol(parameter.name)) if isinstance(parameter, Name) else checked
 
 
-def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:
+def bounds(statement: BoundsStatement, coordinates: tuple[str, ...], *, floats: bool) -> Exact:
     """The box, one range for each coordinate in their order."""
-    box: dict[str, tuple[float, float]] = {}
+    box: dict[str, tuple[Number, Number]] = {}
     for name, interval in statement.intervals:
         if name.name not in coordinates or name.name in box:
             raise name.place.refuse(
@@ -262,10 +262,10 @@ def bounds(statement: BoundsStatement, coordinates: tuple[str, ...]) -> Bounds:
                 "bounds",
                 f"the coordinates are {listing(coordinates)}",
             )
-        low, high = closed_number(interval.low), closed_number(interval.high)
+        low, high = closed_number(interval.low, floats), closed_number(interval.high, floats)
         if not float(low) < float(high):
             raise _empty(interval, low, high, "bounds")
-        box[name.name] = (float(low), float(high))
+        box[name.name] = (low, high)
     if missing := [name for name in coordinates if name not in box]:
         raise statement.place.refuse(
             f"bounds lack {listing(missing)}", "bounds", f"add {missing[0]} [low, high], or leave the statement out"

@@ -93,8 +93,8 @@ class _Writer:
         yield HEADER
         yield "verbatim"
         yield f"coordinates {' '.join(names)}"
-        if shape.bounds is not None:
-            box = zip(names, shape.bounds, strict=True)
+        if shape.box is not None and shape.box.exact is not None:
+            box = zip(names, shape.box.exact, strict=True)
             yield "bounds " + " ".join(f"{name} [{number_text(low)}, {number_text(high)}]" for name, (low, high) in box)
         if (title := written_system(self._system)) != "R0":
             yield f"system {title}"
@@ -181,7 +181,7 @@ def _difference(shape: Shape, again: Shape) -> str:
         return "these coordinates"
     if list(shape.letters.items()) != list(again.letters.items()):
         return "these letters"
-    if shape.bounds != again.bounds:
+    if (shape.box and shape.box.exact) != (again.box and again.box.exact):
         return "these bounds"
     if [name for name, _ in shape.parts] != [name for name, _ in again.parts]:
         return "these parts"

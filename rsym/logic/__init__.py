@@ -6,11 +6,13 @@ In comes a shape or a node of a program; out go its leaves, the gates that join 
 - `sign_form`: a shape as leaves and gates, for the sign a min or a max of two, for the mesher and for sections
 - `domains`: where leaves have a value: their domains as leaves beside leaves that always have one
 - `steps`: leaves that jump as gates, the condition one of their leaves
+- `poles`: leaves with poles as gates, a change of sign through infinity no zero of theirs
 - `inside`: kernels that say whether points are inside
 - `lifting`: minima and maxima inside the sums of large leaves as gates
 - `branches`: products, quotients and choices anywhere in a leaf as gates
 - `leaf_parts`: large leaves as functions of the minima and maxima inside them
 - `faces`: the places of a leaf in the formula, by the parts around it; which are active, and what they are called
+- `separation`: equal leaves of several parts as several functions
 - `leaf_names`: what the leaves are called, by the parts of the shape
 - `weights`: functions that vanish on some leaves and nowhere else
 - `kleene`: formulas of leaves with three signs, for boxes on which some are known

@@ -141,8 +141,14 @@ def _domain(builder: Builder, part: int) -> int | None:
         return None  # of the exponents that a letter may have some are whole
     if operation not in ROOTS or builder.uniform[arguments[0]]:
         return None
-    proved = lowest(builder, arguments[0]) >= 0 or _is_square(builder, arguments[0])
+    proved = lowest(builder, arguments[0]) >= 0 or _is_square(builder, arguments[0]) or _chooses(builder, arguments[0])
     return None if proved else arguments[0]
+
+
+def _chooses(builder: Builder, number: int) -> bool:
+    """Whether a node is one of a blend, which chooses formulas by where they have values."""
+    parts = live(builder.nodes, [number])
+    return any(builder.nodes[part].operation == "select" and part not in builder.steps for part in parts)
 
 
 def _is_square(builder: Builder, number: int) -> bool:

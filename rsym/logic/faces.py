@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 import sympy as sp
 
 from rsym.logic.sign_form import SignForm, shape_form, sign_form, through
-from rsym.logic.stripping import scaled
+from rsym.logic.stripping import bare, scaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
@@ -91,6 +91,12 @@ class Faces:
         return len({face.parts[:1] for face in self.faces}) > 1
 
     @cached_property
+    def doubled(self) -> bool:
+        """Whether a leaf is a multiple of another one."""
+        keys = [bare(self.form.builder, leaf) for leaf in self.form.leaves]
+        return len({*keys}) < len(keys)
+
+    @cached_property
     def shared(self) -> frozenset[int]:
         """The leaves whose faces have several names, and those that are multiples of others with another name."""
         together: defaultdict[int, set[tuple[str, ...]]] = defaultdict(set)
@@ -102,7 +108,8 @@ class Faces:
     def active(self, values: Sequence[T], equal: Callable[[T, T], Any], least: Mapping[str, Any], top: T) -> list[Any]:
         """For each face where it gives the form its value, from the values of the leaves.
 
-        `equal` compares values, `least` has the functions "min" and "max", `top` is true everywhere.
+        Values may be arrays, such as of signs on both sides of a surface. `equal` compares them, `least` has the
+        functions "min" and "max", `top` is true everywhere.
         """
         made = through(self.form.gates, values, lambda gate, first, second: least[gate.operation](first, second))
         found: list[Any] = []

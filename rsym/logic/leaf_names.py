@@ -107,7 +107,8 @@ def _texts(form: SignForm, shape: Shape) -> list[str]:
     """The leaves by their formulas, long ones by their numbers."""
     texts = _formulas(form.builder, shape.expression)
     keys = [scaled(form.builder, leaf)[0] for leaf in form.leaves[: len(form.leaves) - form.caps]]
-    return [texts.get(key) or f"leaf {number}" for number, key in enumerate(keys)]
+    first = {key: number for number, key in reversed(list(enumerate(keys)))}
+    return [texts.get(key) or f"leaf {first[key]}" for key in keys]
 
 
 def _formulas(builder: Builder, expression: sp.Expr) -> Mapping[int, str]:

@@ -18,7 +18,7 @@ from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
 from rsym.logic.steps import has_steps, parted, sign_gate
-from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign
+from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
 from rsym.model.symbols import with_operands
@@ -318,7 +318,7 @@ def _gated(builder: Builder, number: int) -> SignForm:
     done: dict[Signed, Operand] = {}
     for part, operands in with_operands(stripped(builder, number), partial(_operands, builder), tuple):
         if not operands:
-            done[part] = Operand(False, leaves.setdefault(part.made(builder), len(leaves)))
+            done[part] = Operand(False, leaves.setdefault(of_size(builder, part).made(builder), len(leaves)))
             continue
         operation, arguments, _ = builder.nodes[part.number]
         parameters.update(((operation, parameter), None) for parameter in arguments[2:])

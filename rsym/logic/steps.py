@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Collection
+from functools import partial
 from typing import Any
 
 from rsym.backends.interpreter import interpret
 from rsym.logic.domains import ROOTS, bounded, lowest, replaced
-from rsym.logic.stripping import formal_sign
+from rsym.logic.poles import without_pole
+from rsym.logic.stripping import bare, factor, formal_sign
 from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import live
@@ -31,7 +33,8 @@ def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable
     """
     step = next(_steps(builder, leaf), None) if len(guards) < MOST_STEPS else None
     if step is None:
-        return bounded(builder, leaf, guards)
+        made = without_pole(builder, leaf, lambda node: whole(node, guards))
+        return bounded(builder, leaf, guards) if made is None else made
     operation, arguments, _ = builder.nodes[step]
     if operation == "sign":
         condition, yes, no = arguments[0], builder.const(1), builder.const(-1)
@@ -53,9 +56,12 @@ def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable
         ((guard, chosen),) = kept
         builder.walls.setdefault(guard, {})
         return sign_gate(builder, "min", whole(guard, ()), whole(chosen, guards))
-    made = [sign_gate(builder, "min", whole(guard, ()), whole(chosen, (*guards, guard))) for guard, chosen in kept]
-    both = sign_gate(builder, "min", *(whole(chosen, (*guards, guard)) for guard, chosen in kept))
-    return sign_gate(builder, "max", sign_gate(builder, "max", *made), both)
+    sided = [whole(chosen, (*guards, guard)) for guard, chosen in kept]
+    first, second = (
+        sign_gate(builder, "min", whole(guard, ()), chosen) for (guard, _), chosen in zip(kept, sided, strict=True)
+    )
+    join = partial(sign_gate, builder)
+    return join("max", join("max", first, second), join("min", sided[0], sided[1]))
 
 
 def has_steps(builder: Builder, leaf: int) -> bool:
@@ -77,7 +83,10 @@ def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
         value = builder.value(one)
         if value is not None:
             return other if (value > 0) == (idle > 0) else one
-    return first if first == second else builder.make(operation, first, second)
+    if bare(builder, first) == bare(builder, second):
+        same = factor(builder, first) == factor(builder, second)
+        return first if same else builder.const(-idle)  # of a condition and its opposite one holds but on a line
+    return builder.make(operation, first, second)
 
 
 def _steps(builder: Builder, leaf: int) -> Any:

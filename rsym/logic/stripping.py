@@ -18,6 +18,7 @@ from rsym.program.operations import OPERATIONS
 from rsym.program.row import UP
 
 TERMS = 32  # parts of a sum that is compared with others
+LARGEST = Fraction(2**180)  # coefficients beyond are of another unit: their fourth power is hardly a number
 
 
 class Signed(NamedTuple):
@@ -216,10 +217,40 @@ def _unscaled(builder: Builder, number: int) -> Signed:
     return Signed(*builder.scaled[number])
 
 
-def _sum(builder: Builder, number: int) -> tuple[int, int]:
-    """A sum divided by the coefficient of its first term, and the sign of that: x - 1/2 of 1 - 2*x.
+def of_size(builder: Builder, part: Signed) -> Signed:
+    """A sum by its first coefficient where that is so large or small that squares of it are no numbers.
 
-    Terms of one node are added up; where they cancel, and where there are many, the sum stays as it is written.
+    Examples
+    --------
+    >>> b = Builder(("x",), ())
+    >>> x, tiny = b.input("x"), b.const(Fraction(1, 10**300))
+    >>> of_size(b, Signed(b.sub(tiny, b.mul(tiny, x)))) == Signed(b.sub(x, b.const(1)), -1)
+    True
+    """
+    sum_ = _terms(builder, part.number) if builder.nodes[part.number].operation == "add" else None
+    if sum_ is None or 1 / LARGEST < abs(sum_[0][min(sum_[0])]) < LARGEST:
+        return part
+    made, sign = _sum(builder, part.number)
+    return Signed(made, part.sign * sign)
+
+
+def _sum(builder: Builder, number: int) -> tuple[int, int]:
+    """A sum divided by the coefficient of its first term, and the sign of that: x - 1/2 of 1 - 2*x."""
+    found = _terms(builder, number)
+    if found is None:
+        return number, 1
+    terms, constant = found
+    leading = terms[min(terms)]
+    made = builder.const(constant / leading)
+    for part in sorted(terms):
+        made = builder.add(made, builder.mul(builder.const(terms[part] / leading), part))
+    return made, 1 if leading > 0 else -1
+
+
+def _terms(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fraction] | None:
+    """The coefficients of the terms of a sum, and its constant.
+
+    Terms of one node are added up; None where they cancel, and where there are many: the sum stays as it is written.
     """
     terms: dict[int, Fraction] = {}
     constant, stack, count = Fraction(0), [(number, Fraction(1))], 0
@@ -239,14 +270,8 @@ def _sum(builder: Builder, number: int) -> tuple[int, int]:
         else:
             terms[part] = terms.get(part, Fraction(0)) + times
         if count > TERMS:
-            return number, 1
-    if not terms or not all(terms.values()):
-        return number, 1
-    leading = terms[min(terms)]
-    made = builder.const(constant / leading)
-    for part in sorted(terms):
-        made = builder.add(made, builder.mul(builder.const(terms[part] / leading), part))
-    return made, 1 if leading > 0 else -1
+            return None
+    return (terms, constant) if terms and all(terms.values()) else None
 
 
 def even_root(builder: Builder, number: int) -> int | None:

@@ -9,8 +9,10 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
+from rsym.model.bounding import BoundingBox
 from rsym.model.equation import substituted
 from rsym.model.letters import Letters
+from rsym.model.parallels import Parallel, lengths
 from rsym.model.primitives.formulas import ROOM, between
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
@@ -55,13 +57,14 @@ def revolve(shape: Shape, axis: Any = x) -> Shape:
     third = _third(shape)
     turning = shape.coordinates[1 - names.index(str(axis))]
     radius = sp.sqrt(turning**2 + third**2)
-    bounds = None
-    if shape.bounds is not None:
-        reach = max(abs(end) for end in shape.bounds[1 - names.index(str(axis))])
-        around = (-reach, reach)
-        kept = shape.bounds[names.index(str(axis))]
-        bounds = (kept, around, around) if names.index(str(axis)) == 0 else (around, kept, around)
-    return substituted(shape, {turning: radius}, coordinates=(*shape.coordinates, third), bounds=bounds)
+
+    def swept(ends: Bounds) -> Bounds:
+        reach = max(abs(end) for end in ends[1 - names.index(str(axis))])
+        around, kept = (-reach, reach), ends[names.index(str(axis))]
+        return (kept, around, around) if names.index(str(axis)) == 0 else (around, kept, around)
+
+    box = shape.box and shape.box.mapped(swept)
+    return substituted(shape, {turning: radius}, coordinates=(*shape.coordinates, third), box=box)
 
 
 def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -85,9 +88,9 @@ def extrude(shape: Shape, lower: Any, upper: Any, *, system: RSystem = R0, lette
     _plane(shape, "extrude")
     third, given = _third(shape), shape.letters.merge(letters)
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
-    slab = between(third, low, high, given)
+    slab = between(third, low, high, given, not system.keeps_sets)
     heights = (default(low, given), default(high, given))
-    return _joined(shape, slab, (third,), system, letters, _with_heights(shape.bounds, heights))
+    return _joined(shape, slab, (third,), system, letters, _with_heights(shape.box, heights))
 
 
 def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
@@ -159,9 +162,9 @@ def section(shape: Shape, axis: Any, place: Any = 0, *, letters: LetterMapping =
         )
     gone = names.index(str(axis))
     coordinates = tuple(symbol for k, symbol in enumerate(shape.coordinates) if k != gone)
-    bounds = None if shape.bounds is None else tuple(pair for k, pair in enumerate(shape.bounds) if k != gone)
+    box = shape.box and shape.box.mapped(lambda ends: tuple(pair for k, pair in enumerate(ends) if k != gone))
     places = {shape.coordinates[gone]: number(place, "the place")}
-    return substituted(shape, places, coordinates=coordinates, letters=letters, bounds=bounds)
+    return substituted(shape, places, coordinates=coordinates, letters=letters, box=box)
 
 
 def sweep(
@@ -218,11 +221,9 @@ def sweep(
         parts=tuple((name, substitute(part, changed)) for name, part in profile.parts),
     )
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
-    bounds = _with_heights(
-        None if changed else profile.bounds, (default(low, moving.letters), default(high, moving.letters))
-    )
-    slab = between(_third(profile), low, high, moving.letters)
-    return _joined(moving, slab, (), system, None, bounds)
+    box = _with_heights(None if changed else profile.box, (default(low, moving.letters), default(high, moving.letters)))
+    slab = between(_third(profile), low, high, moving.letters, not system.keeps_sets)
+    return _joined(moving, slab, (), system, None, box)
 
 
 def _plane(shape: Shape, what: str) -> None:
@@ -256,31 +257,32 @@ def _joined(
     more: tuple[sp.Symbol, ...],
     system: RSystem,
     letters: LetterMapping,
-    bounds: Bounds | None,
+    box: BoundingBox | None,
 ) -> Shape:
-    """The conjunction with an expression in more coordinates."""
+    """The conjunction with an expression in more coordinates; a system that rounds edges is given lengths."""
+    inside = shape.expression if system.keeps_sets else lengths(shape.expression, shape.coordinates, shape.letters)
     return Shape(
-        system.conjunction(shape.expression, other),
+        system.conjunction(inside, other),
         (*shape.coordinates, *more),
         letters=shape.letters.merge(letters),
-        bounds=bounds,
+        box=box,
         parts=shape.parts,
     )
 
 
-def _with_heights(bounds: Bounds | None, heights: tuple[float, float]) -> Bounds | None:
+def _with_heights(box: BoundingBox | None, heights: tuple[float, float]) -> BoundingBox | None:
     """The box of a plane shape made a box in space, a tenth of the height free above and below."""
-    if bounds is None:
-        return None
     room = ROOM * (heights[1] - heights[0])
-    return (*bounds, (heights[0] - room, heights[1] + room))
+    return box and box.mapped(lambda ends: (*ends, (heights[0] - room, heights[1] + room)))
 
 
 def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Shape:
-    """The body grown by a distance, shrunk by a negative one: omega + distance.
+    """The body grown by a distance, shrunk by a negative one: every leaf moved by it, in the same R-operations.
 
-    It is the true offset as far as omega measures distance: near the boundary if omega is normalised, everywhere
-    if it is exact.
+    Leaves that are functions of a distance (planes, slabs, discs, balls, cylinders, cones, tori, capsules, moved and
+    scaled) move by exactly that, others as far as omega measures distance: omega + distance. Edges stay edges; fillets
+    of `Rho` keep the middle of their circle. Where that is not known to be the true offset, as at convex edges that
+    grow, its distance from the body is measured, and an RsymWarning says between what it is if that is a hundredth off.
 
     Raises
     ------
@@ -290,22 +292,27 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     Examples
     --------
     >>> import rsym
-    >>> from rsym import x, y
-    >>> rsym.offset(rsym.Shape(x, (x, y)), 2).expression
-    x + 2
+    >>> rsym.offset(rsym.disc(10), 2).expression == rsym.disc(12).expression
+    True
+    >>> rsym.offset(rsym.box(60, 40, 25), -2).expression
+    conjunction(14 - x**2/56, 9 - y**2/36, 21/4 - z**2/21)
     """
     require_shape(shape)
     grown, known = number(distance, "a distance"), shape.letters.merge(letters)
     room = max(default(grown, known), 0.0)
-    bounds = None if shape.bounds is None else tuple((low - room, high + room) for low, high in shape.bounds)
-    return Shape(shape.expression + grown, shape.coordinates, letters=known, bounds=bounds)
+    box = shape.box and shape.box.mapped(lambda ends: tuple((low - room, high + room) for low, high in ends)).likely
+    parallel = Parallel(shape.coordinates, known)
+    moved = Shape(parallel.moved(shape.expression, grown), shape.coordinates, letters=known, box=box)
+    _tell_of_range(parallel, shape, moved, default(grown, known), "offset")
+    return moved
 
 
 def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
-    """The wall inside a body, from its boundary to the depth `thickness`: omega and thickness - omega.
+    """The wall inside a body, from its boundary to the depth `thickness`: omega, and not the body shrunk by it.
 
-    The two never vanish together, so nothing is lost in smoothness; normalised to order 1 where omega is 0, and
-    on the inner side as far as |grad omega| = 1 there.
+    The body is shrunk as `offset` does it, so that the wall has this thickness wherever leaves know their distances;
+    elsewhere the true one is measured, and an RsymWarning says between what it is. The two boundaries never meet, so
+    nothing is lost in smoothness; normalised to order 1 where omega is.
 
     Raises
     ------
@@ -318,9 +325,22 @@ def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: Letter
     >>> from rsym import x, y
     >>> rsym.shell(rsym.Shape(x, (x, y)), 2).expression
     conjunction(x, 2 - x)
+    >>> round(rsym.measure(rsym.shell(rsym.rectangle(6, 4), 1)).area, 9)
+    16.0
     """
     require_shape(shape)
     known = shape.letters.merge(letters)
     depth = positive(thickness, "the thickness", known)
-    wall = system.conjunction(shape.expression, depth - shape.expression)
-    return Shape(wall, shape.coordinates, letters=known, bounds=shape.bounds, parts=shape.parts)
+    parallel = Parallel(shape.coordinates, known)
+    inner = Shape(parallel.moved(shape.expression, -depth), shape.coordinates, letters=known, box=shape.box)
+    _tell_of_range(parallel, shape, inner, default(depth, known), "thickness")
+    wall = system.conjunction(shape.expression, -inner.expression)
+    return Shape(wall, shape.coordinates, letters=known, box=shape.box, parts=shape.parts)
+
+
+def _tell_of_range(parallel: Parallel, body: Shape, moved: Shape, distance: float, what: str) -> None:
+    """Have it measured how far the moved boundary is from that of the body, where that is in doubt."""
+    if parallel.doubt:
+        from rsym.sampling.offsets import tell_of_range
+
+        tell_of_range(body, moved, distance, what, parallel.doubt)

@@ -6,21 +6,20 @@ constructions), or a function of their expressions (`combine`: logic, blends).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Self, TypeAlias, TypeVar
+from typing import Any, Self, TypeVar
 
 import sympy as sp
 from sympy.functions.elementary.piecewise import ExprCondPair
 
 from rsym.errors import RsymError
+from rsym.model.bounding import BoundingBox, Bounds, around, stated_box
 from rsym.model.choices import Choice
 from rsym.model.letters import Letter, Letters, as_letters
 from rsym.model.rewriting import in_known_functions
 from rsym.model.symbols import as_expression, postorder, real_replacements, substitute, symbols_of
 
-Bounds: TypeAlias = tuple[tuple[float, float], ...]
 S = TypeVar("S", bound="Equation")
 
 _NO_NUMBERS = (sp.oo, -sp.oo, sp.zoo, sp.I)
@@ -33,7 +32,7 @@ class Equation:
     expression: sp.Expr
     coordinates: tuple[sp.Symbol, ...]
     letters: Letters
-    bounds: Bounds | None
+    box: BoundingBox | None
     definitions: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
     parts: tuple[tuple[str, sp.Expr], ...] = field(compare=False)
 
@@ -44,6 +43,7 @@ class Equation:
         *,
         letters: Mapping[Any, Letter | float] | None = None,
         bounds: Any = None,
+        box: BoundingBox | None = None,
         definitions: tuple[tuple[str, sp.Expr], ...] = (),
         parts: tuple[tuple[str, sp.Expr], ...] = (),
     ) -> None:
@@ -61,7 +61,7 @@ class Equation:
         store(self, "expression", substitute(expression, real) if real else expression)
         store(self, "coordinates", tuple(real.get(symbol, symbol) for symbol in coordinates))
         store(self, "letters", as_letters(letters))
-        store(self, "bounds", None if bounds is None else checked_bounds(bounds, len(coordinates)))
+        store(self, "box", box if bounds is None else stated_box(bounds, len(coordinates)))
         store(self, "definitions", definitions)
         parts = tuple((name, in_known_functions(part)) for name, part in parts)
         store(self, "parts", tuple((name, substitute(part, real) if real else part) for name, part in parts))
@@ -85,6 +85,20 @@ class Equation:
         """2 in the plane, 3 in space."""
         return len(self.coordinates)
 
+    @property
+    def bounds(self) -> Bounds | None:
+        """The window that was stated, ((xmin, xmax), (ymin, ymax)[, (zmin, zmax)]), to the nearest floats; else None.
+
+        Without it one looks at the whole boundary, in bounds that are proved at the values of the letters: `extent`.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> rsym.disc(1).bounds, rsym.disc(1).replace(bounds=((-2, 2), (0, 2))).bounds
+        (None, ((-2.0, 2.0), (0.0, 2.0)))
+        """
+        return None if self.box is None or self.box.exact is None else self.box.ends
+
     def with_letters(self, values: Mapping[Any, Any]) -> Self:
         """The same shape with other defaults: {name or symbol: number or Letter}.
 
@@ -107,11 +121,16 @@ class Equation:
 
     def replace(self, *, expression: Any = None, letters: Mapping[Any, Any] | None = None, bounds: Any = None) -> Self:
         """A copy with another expression, other letters or other bounds."""
+        known = self.letters if letters is None else as_letters(letters)
+        box = self.box if bounds is None else stated_box(bounds, self.dimension)
+        if box is not None and box.exact is None:  # it was that of the expression and of the letters before
+            moved = any(name in known and known[name].default != old.default for name, old in self.letters.items())
+            box = None if moved else box if expression is None else box.likely
         return replace(
             self,
             expression=self.expression if expression is None else expression,
-            letters=self.letters if letters is None else as_letters(letters),
-            bounds=self.bounds if bounds is None else bounds,
+            letters=known,
+            box=box,
             definitions=self.definitions if expression is None else (),
         )
 
@@ -123,9 +142,9 @@ def substituted(
     coordinates: tuple[sp.Symbol, ...] | None = None,
     factor: Any = 1,
     letters: Mapping[Any, Letter | float] | None = None,
-    bounds: Any = None,
+    box: BoundingBox | None = None,
 ) -> S:
-    """Factor * omega(places), parts alike; letters are added to those of the shape, bounds are the new ones.
+    """Factor * omega(places), parts alike; letters are added to those of the shape, the box is the new one.
 
     Examples
     --------
@@ -146,14 +165,18 @@ def substituted(
         expression=factor * substitute(shape.expression, places),
         coordinates=coordinates,
         letters=shape.letters.merge(letters),
-        bounds=bounds,
+        box=box,
         definitions=(),
         parts=tuple((name, factor * substitute(part, places)) for name, part in shape.parts),
     )
 
 
-def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
-    """Apply a function of expressions to shapes: same coordinates, letters and parts merged, bounds the box around all.
+def combine(
+    function: Callable[..., sp.Expr],
+    *operands: Any,
+    box: Callable[[Sequence[BoundingBox | None]], BoundingBox | None] = around,
+) -> Any:
+    """Apply a function of expressions to shapes: same coordinates, letters and parts merged, the box made of theirs.
 
     Plain expressions among shapes take part as they are; without any shape the result is an expression.
     """
@@ -176,7 +199,7 @@ def combine(function: Callable[..., sp.Expr], *operands: Any) -> Any:
         shapes[0],
         expression=function(*expressions),
         letters=letters,
-        bounds=hull([shape.bounds for shape in shapes if shape.bounds is not None]),
+        box=box([operand.box if isinstance(operand, Equation) else None for operand in operands]),
         definitions=(),
         # Two parts of one name stay two: their surfaces share the name.
         parts=tuple(dict.fromkeys(part for shape in shapes for part in shape.parts)),
@@ -194,37 +217,3 @@ def _check_values(expression: sp.Expr) -> None:
                     code="number",
                     remedy="remove the division by zero or the root of a negative number that it came from",
                 )
-
-
-def checked_bounds(bounds: Any, dimension: int) -> Bounds:
-    """Bounds as pairs of floats; what is not so many finite, increasing pairs is refused.
-
-    Examples
-    --------
-    >>> checked_bounds([[0, 1], [-2, 2]], 2)
-    ((0.0, 1.0), (-2.0, 2.0))
-    """
-    try:
-        box = tuple((float(low), float(high)) for low, high in bounds)
-    except (TypeError, ValueError) as error:
-        raise RsymError(f"bounds must be pairs (low, high), got {bounds!r}", code="bounds") from error
-    if len(box) != dimension or not all(math.isfinite(a) and math.isfinite(b) and a < b for a, b in box):
-        raise RsymError(
-            f"bounds must be {dimension} finite pairs with low < high, got {bounds!r}",
-            code="bounds",
-            remedy="for example ((-1, 1), (-1, 1))",
-        )
-    return box
-
-
-def hull(boxes: Sequence[Bounds]) -> Bounds | None:
-    """The box around boxes; None around none.
-
-    Examples
-    --------
-    >>> hull([((0, 1), (0, 1)), ((-1, 0), (0, 2))])
-    ((-1, 1), (0, 2))
-    """
-    if not boxes:
-        return None
-    return tuple((min(low for low, _ in axis), max(high for _, high in axis)) for axis in zip(*boxes, strict=True))

@@ -7,6 +7,7 @@ by the factor and keeps it too; stretching and shearing do not.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, Self, TypeAlias, TypeVar
 
 import sympy as sp
@@ -14,7 +15,8 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, number, point, positive, unit_vector
 from rsym.model.arguments import turn as turn_of
-from rsym.model.equation import Bounds, Equation, substituted
+from rsym.model.bounding import BoundingBox
+from rsym.model.equation import Equation, substituted
 from rsym.model.letters import Letters
 from rsym.model.spelling import british
 from rsym.model.symbols import symbols_of
@@ -207,7 +209,7 @@ def _moved(shape: S, matrix: Matrix, inverse: Matrix, offset: Matrix, letters: L
     _check_constant(shape, (*matrix, *offset))
     images = inverse * (Matrix(shape.coordinates) - offset)
     places = dict(zip(shape.coordinates, images, strict=True))
-    return substituted(shape, places, factor=factor, letters=letters, bounds=_bounds(shape, matrix, offset, known))
+    return substituted(shape, places, factor=factor, letters=letters, box=_box(shape, matrix, offset, known))
 
 
 def _check_constant(shape: Equation, numbers: tuple[sp.Expr, ...]) -> None:
@@ -221,13 +223,22 @@ def _check_constant(shape: Equation, numbers: tuple[sp.Expr, ...]) -> None:
         )
 
 
-def _bounds(shape: S, matrix: Matrix, offset: Matrix, letters: Letters) -> Bounds | None:
-    """The box around the moved box, letters at their defaults."""
-    if shape.bounds is None:
+def _box(shape: S, matrix: Matrix, offset: Matrix, letters: Letters) -> BoundingBox | None:
+    """The box around the moved box, letters at their defaults; the box of a window is exact where the numbers are."""
+    if shape.box is None:
         return None
-    rows = [[default(entry, letters) for entry in matrix.row(k)] for k in range(shape.dimension)]
-    box = []
-    for row, shift in zip(rows, (default(entry, letters) for entry in offset), strict=True):
-        ends = [sorted((entry * low, entry * high)) for entry, (low, high) in zip(row, shape.bounds, strict=True)]
-        box.append((shift + sum(low for low, _ in ends), shift + sum(high for _, high in ends)))
-    return tuple(box)
+    fixed = not symbols_of(*matrix, *offset)
+    exact = fixed and shape.bounds is not None and all(entry.is_Rational for entry in (*matrix, *offset))
+    value = (lambda entry, _: Fraction(int(entry.p), int(entry.q))) if exact else default
+    rows = [[value(entry, letters) for entry in matrix.row(k)] for k in range(shape.dimension)]
+    shifts = [value(entry, letters) for entry in offset]
+
+    def moved(ends: Any) -> Any:
+        box = []
+        for row, shift in zip(rows, shifts, strict=True):
+            exactly = [tuple(map(Fraction, pair)) for pair in ends] if exact else ends
+            parts = [sorted((entry * low, entry * high)) for entry, (low, high) in zip(row, exactly, strict=True)]
+            box.append((shift + sum(low for low, _ in parts), shift + sum(high for _, high in parts)))
+        return tuple(box)
+
+    return shape.box.mapped(moved, stated=fixed)

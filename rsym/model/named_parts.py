@@ -79,7 +79,7 @@ def with_part(shape: S, name: str, other: Equation) -> S:
         shape,
         expression=expression,
         letters=Letters({title: one for title, one in merged.letters.items() if real_symbol(title) not in gone}),
-        bounds=merged.bounds,
+        box=merged.box,
         definitions=(),
         parts=tuple(parts),
     )

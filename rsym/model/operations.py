@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from rsym.errors import RsymError
+from rsym.model.bounding import BoundingBox, around, combined, lines, opposite
 from rsym.model.equation import combine
 from rsym.model.nodes import Trimming
 from rsym.model.rnodes import Equivalence, Joining
@@ -29,7 +31,7 @@ def conjunction(*operands: Any, system: RSystem = R0) -> Any:
     >>> conjunction(x, y)
     conjunction(x, y)
     """
-    return combine(system.conjunction, *_some(operands))
+    return combine(system.conjunction, *_some(operands), box=combined("intersection", exactly=system.keeps_sets))
 
 
 def disjunction(*operands: Any, system: RSystem = R0) -> Any:
@@ -43,7 +45,7 @@ def disjunction(*operands: Any, system: RSystem = R0) -> Any:
     >>> disjunction(x, y).doit()
     x + y + sqrt(x**2 + y**2)
     """
-    return combine(system.disjunction, *_some(operands))
+    return combine(system.disjunction, *_some(operands), box=combined("union", exactly=system.keeps_sets))
 
 
 def negation(operand: Any) -> Any:
@@ -55,7 +57,7 @@ def negation(operand: Any) -> Any:
     >>> negation(x - y)
     -x + y
     """
-    return combine(lambda f: -f, operand)
+    return combine(lambda f: -f, operand, box=lambda boxes: opposite(boxes)[0])
 
 
 def difference(minuend: Any, *subtrahends: Any, system: RSystem = R0) -> Any:
@@ -67,7 +69,12 @@ def difference(minuend: Any, *subtrahends: Any, system: RSystem = R0) -> Any:
     >>> difference(x, y)
     conjunction(x, -y)
     """
-    return combine(lambda f, *rest: system.conjunction(f, *(-g for g in rest)), minuend, *subtrahends)
+    return combine(
+        lambda f, *rest: system.conjunction(f, *(-g for g in rest)),
+        minuend,
+        *subtrahends,
+        box=combined("difference", exactly=system.keeps_sets),
+    )
 
 
 def exclusive_or(f: Any, g: Any, system: RSystem = R0) -> Any:
@@ -91,7 +98,7 @@ def implication(f: Any, g: Any, system: RSystem = R0) -> Any:
     >>> implication(x, y)
     disjunction(-x, y)
     """
-    return combine(lambda a, b: system.disjunction(-a, b), f, g)
+    return disjunction(negation(f), g, system=system)
 
 
 def equivalence(*operands: Any, order: Any = 2) -> Any:
@@ -122,7 +129,11 @@ def equivalence(*operands: Any, order: Any = 2) -> Any:
     x*y/sqrt(x**2 + y**2)
     """
     m = _order(order)
-    return combine(lambda *f: Equivalence(m, *f), *_some(operands))
+
+    def box(boxes: Sequence[BoundingBox | None]) -> BoundingBox | None:
+        return opposite([around(boxes)])[0] if len(boxes) % 2 == 0 else around(boxes)
+
+    return combine(lambda *f: Equivalence(m, *f), *_some(operands), box=box)
 
 
 def joining(*curves: Any, order: Any = 2) -> Any:
@@ -153,7 +164,7 @@ def joining(*curves: Any, order: Any = 2) -> Any:
     0.0
     """
     m = _order(order)
-    return combine(lambda *f: Joining(m, *f), *_some(curves))
+    return combine(lambda *f: Joining(m, *f), *_some(curves), box=lines)
 
 
 def trimming(f: Any, t: Any) -> Any:
@@ -168,7 +179,7 @@ def trimming(f: Any, t: Any) -> Any:
     >>> trimming(y, 1 - x**2).subs({x: 0, y: 0}).evalf()
     0
     """
-    return combine(Trimming, f, t)
+    return combine(Trimming, f, t, box=lambda boxes: lines(boxes[:1]))
 
 
 rfAND, rfOR, rfNOT = conjunction, disjunction, negation  # the source's own names

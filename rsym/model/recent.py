@@ -43,7 +43,7 @@ def placed(shape: Any) -> tuple[Any, ...]:
     >>> placed(one) == placed(one.with_letters({"a": 1})), placed(one) == placed(one.with_letters({"a": 2}))
     (True, False)
     """
-    return written(shape), shape.bounds, tuple(shape.letters.values_with(None).items())
+    return written(shape), shape.box, tuple(shape.letters.values_with(None).items())
 
 
 def recently(

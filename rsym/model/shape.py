@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import sympy as sp
-
 from rsym.errors import RsymError
 from rsym.model import named_parts, showing
-from rsym.model.equation import Bounds as Bounds
-from rsym.model.equation import combine
+from rsym.model.bounding import Bounds as Bounds
 from rsym.model.letters import Letter
 from rsym.model.logical import NoNumber
 from rsym.model.motions import Movable
-from rsym.model.systems import R0, RSystem, in_system
+from rsym.model.operations import conjunction, difference, disjunction, exclusive_or, negation
+from rsym.model.systems import RSystem, in_system
 
 if TYPE_CHECKING:
     from rsym.analysis.contracts.summary import Contract
@@ -34,7 +32,9 @@ class Shape(NoNumber, Movable):
     letters : mapping, optional
         ``{symbol or name: number or Letter}``; every other symbol of the expression must be here.
     bounds : sequence of pairs, optional
-        ``((xmin, xmax), (ymin, ymax)[, (zmin, zmax)])``, the box that holds what is of interest.
+        ``((xmin, xmax), (ymin, ymax)[, (zmin, zmax)])``, the window that one looks at, exact numbers. Without it that
+        is all of the boundary, in a box that is proved at the values of the letters (`extent`); a boundary that goes
+        on without end needs a window. What is made of shapes keeps a window that all of them state.
 
     The operators ``& | - ~ ^`` are conjunction, disjunction, difference,
     negation and exclusive or in system R_0. `parts` are the pieces that have a
@@ -160,6 +160,7 @@ class Shape(NoNumber, Movable):
             self,
             expression=in_system(self.expression, system),
             letters=self.letters.merge(letters),
+            box=self.box and (self.box if system.keeps_sets else self.box.likely),
             definitions=tuple((name, in_system(value, system)) for name, value in self.definitions),
             parts=tuple((name, in_system(part, system)) for name, part in self.parts),
         )
@@ -218,24 +219,20 @@ class Shape(NoNumber, Movable):
 
         return contract(self)
 
-    def _combined(self, function: Callable[..., sp.Expr], *others: Shape) -> Shape:
-        result: Shape = combine(function, self, *others)
-        return result
-
     def __and__(self, other: Shape) -> Shape:
-        return self._combined(R0.conjunction, other)
+        return conjunction(self, other)  # type: ignore[no-any-return]
 
     def __or__(self, other: Shape) -> Shape:
-        return self._combined(R0.disjunction, other)
+        return disjunction(self, other)  # type: ignore[no-any-return]
 
     def __sub__(self, other: Shape) -> Shape:
-        return self._combined(lambda f, g: R0.conjunction(f, -g), other)
+        return difference(self, other)  # type: ignore[no-any-return]
 
     def __invert__(self) -> Shape:
-        return self._combined(lambda f: -f)
+        return negation(self)  # type: ignore[no-any-return]
 
     def __xor__(self, other: Shape) -> Shape:
-        return self._combined(lambda f, g: R0.disjunction(R0.conjunction(f, -g), R0.conjunction(-f, g)), other)
+        return exclusive_or(self, other)  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         return showing.text(self)
@@ -244,7 +241,7 @@ class Shape(NoNumber, Movable):
         return showing.displayed(self)
 
     def _repr_html_(self) -> str:
-        if len(self.coordinates) != 3 or not self.bounds:
+        if len(self.coordinates) != 3 or not self.box:
             return showing.table(self)
         from rsym.output.rendering import thumbnail
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
@@ -11,13 +12,14 @@ from sympy.solvers.solveset import NonlinearError
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, number
+from rsym.model.bounding import BoundingBox
 from rsym.model.equation import combine
 from rsym.model.letters import Letter, Letters
 from rsym.model.nodes import Trimming
 from rsym.model.positivity import positive_polynomial
 from rsym.model.primitives.curve_nodes import PARAMETER, CurveField, CurvePath
 from rsym.model.rnodes import Joining
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.model.symbols import substitute, symbols_of
 
 ROOM = (
@@ -64,8 +66,8 @@ def blend_on_skeleton(skeleton: Shape, profile: Any, *, letters: LetterMapping =
     """
     thickness = _profile(skeleton, profile, letters)
     body: Shape = combine(lambda f, h: h - f, skeleton, thickness)
-    bounds = _bounds(skeleton, thickness.expression, body.letters)
-    return Shape(body.expression, body.coordinates, letters=body.letters, bounds=bounds, parts=body.parts)
+    box = _box(skeleton, thickness.expression, body.letters)
+    return Shape(body.expression, body.coordinates, letters=body.letters, box=box, parts=body.parts)
 
 
 def analytic_condition(skeleton: Shape, profile: Any, *, letters: LetterMapping = None) -> Boolean:
@@ -121,10 +123,10 @@ def _profile(skeleton: Any, profile: Any, letters: LetterMapping) -> Shape:
     return Shape(number(profile, "the profile"), skeleton.coordinates, letters=known)
 
 
-def _bounds(skeleton: Shape, h: sp.Expr, letters: Letters) -> Bounds | None:
+def _box(skeleton: Shape, h: sp.Expr, letters: Letters) -> BoundingBox | None:
     """Room for the body: where curves meet, and beyond ends, it is thicker than the profile."""
     varies = bool(set(skeleton.coordinates) & set(symbols_of(h)))
-    if skeleton.bounds is None:
+    if skeleton.box is None:
         return None
     places = []
     if varies:
@@ -136,7 +138,8 @@ def _bounds(skeleton: Shape, h: sp.Expr, letters: Letters) -> Bounds | None:
         places = [way.at(share) for way in ways for share in shares]
     values = [substitute(h, dict(zip(skeleton.coordinates, place, strict=True))) for place in places] or [h]
     room = ROOM * max(0.0, *(default(value, letters, "the profile") for value in values))
-    return tuple((low - room, high + room) for low, high in skeleton.bounds)
+    grown = skeleton.box.mapped(lambda ends: tuple((low - room, high + room) for low, high in ends), stated=False)
+    return replace(grown.likely, solid=True)
 
 
 def _along(way: CurvePath, h: sp.Expr, coordinates: tuple[sp.Symbol, ...], letters: Mapping[str, Letter]) -> Boolean:

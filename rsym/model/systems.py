@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, ClassVar
 
 import sympy as sp
 
@@ -38,6 +38,8 @@ class RSystem(ABC):
     The parameter of a system is a number or a letter. It is never
     differentiated through; a letter outside the range of its system gives NaN.
     """
+
+    keeps_sets: ClassVar[bool] = True  # whether the sets are exactly those that the logic says
 
     @property
     def parameters(self) -> tuple[sp.Expr, ...]:

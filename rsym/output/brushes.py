@@ -77,7 +77,9 @@ def brush_of(
 
 def part_colours_of(sights: Sequence[Sight]) -> dict[str, str]:
     """The parts that are seen, each with its colour, that of meshes."""
-    names, seen, meet = {}, set(), []
+    names: dict[str, None] = {}
+    seen: set[str] = set()
+    meet: list[tuple[str, str]] = []
     for sight in sights:
         own = sight.called.names
         names.update(dict.fromkeys(own))

@@ -196,7 +196,7 @@ def _picture(shape: Shape, resolution: int | None, reach: float | None) -> bytes
 def _seen(shape: Shape | GivenField, reach: float | None) -> Bounds | None:
     if isinstance(shape, GivenField):
         return None
-    return shape.bounds if shape.bounds or reach is None else ((-reach, reach),) * shape.dimension
+    return None if shape.box or reach is None else ((-reach, reach),) * shape.dimension
 
 
 def _named(shapes: Any) -> Mapping[str, Any]:

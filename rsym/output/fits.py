@@ -15,7 +15,7 @@ from matplotlib.colors import Colormap, Normalize
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.model.equation import hull
+from rsym.model.bounding import hull
 from rsym.model.shape import Bounds
 from rsym.output.axes3d import Bar
 from rsym.output.bodies import show

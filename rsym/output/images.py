@@ -128,7 +128,7 @@ class Image:
         height, width, _ = self.shape
         share = np.count_nonzero(self.leaf >= 0) / (height * width)
         count = int(np.count_nonzero(self.undecided))
-        rays = f"{count} ray{'s' * (count > 1)} undecided, painted magenta" if count else "every ray decided"
+        rays = counted(count) if count else "every ray decided"
         return f"{width} x {height} pixels, {100 * share:.3g} % on the body; {rays}"
 
     def __repr__(self) -> str:
@@ -146,6 +146,11 @@ class Image:
             For another suffix, or a folder that is missing or cannot be written.
         """
         return write_atomically(check_picture(path), self._repr_png_())
+
+
+def counted(undecided: int) -> str:
+    """The words for so many rays."""
+    return f"{undecided} ray{'s' * (undecided > 1)} undecided, painted magenta"
 
 
 def check_picture(path: str | os.PathLike[str]) -> Path:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Flags, Floats, Ints, Shorts
+from rsym.arrays import Flags, Floats, Integers, Ints, Shorts
 from rsym.errors import RsymError, RsymWarning, warn
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
@@ -23,12 +23,13 @@ from rsym.output.brushes import Brush, Colouring, brush_of, checked_colouring, h
 from rsym.output.cameras import VIEWS, Camera, Viewport, camera_of
 from rsym.output.edges import Single, edges_of, inked, smoothed
 from rsym.output.framing import framed
-from rsym.output.images import Image
+from rsym.output.images import Image, counted
 from rsym.output.ink import INK
 from rsym.output.paints import NAMES_OF_MAPS
 from rsym.output.shading import HOLLOW_RADIUS, Light, hollows_at, levels, linear, lit
 from rsym.output.shadows import shade_of
 from rsym.output.sights import UNDECIDED, Probe, Sight
+from rsym.sampling.hits import Hits
 from rsym.sampling.pencils import Cut
 from rsym.sampling.plane import fixed_coordinates
 from rsym.sampling.rays import Caster
@@ -37,6 +38,7 @@ SIGNAL = "#ff00c8"  # of rays that came to a limit: nothing else is of that colo
 LINE = 1.5e-3  # the width of lines, of the mean side of a picture; at least
 THINNEST = 0.75  # pixels
 FINER = 8  # than pixels: how closely rays look that say where in a pixel an edge is
+BESIDE = (1e-3, 7e-4)  # pixels: so far beside it a ray looks where the one through the middle cannot decide
 MOST_PIXELS = 1 << 26  # of a picture: 5 GB of memory
 MOST_SAMPLES = 64
 THUMBNAIL, MOST_NODES = (240, 180), 400  # pixels; parts of a formula, of which a caster is made in half a second
@@ -105,7 +107,7 @@ def render(
     Warns
     -----
     RsymWarning
-        Where nothing of the body is seen.
+        Where nothing of the body is seen, or rays are undecided.
 
     Examples
     --------
@@ -125,7 +127,12 @@ def render(
     view = framed(caster, camera, size)
     scene = Scene(caster, view, cuts)
     sight = scene.seen()
-    if not len(sight.met):
+    if count := int(np.count_nonzero(sight.hits.undecided)):
+        warn(
+            f"{counted(count)}: the body may have walls there that are thinner than rays tell; remedy: another camera, "
+            "or look at what is closer"
+        )
+    elif not len(sight.met):
         warn("nothing of the body is seen; remedy: other bounds, another camera or section")
     brush = brush_of(colouring, [sight], lambda: Probe.of(caster))
     width = max(LINE * float(np.sqrt(size[0] * size[1])), THINNEST) if lines else 0.0
@@ -209,7 +216,7 @@ def thumbnail(shape: Shape) -> str:
     >>> thumbnail(rsym.sphere(1))[:19], thumbnail(rsym.cylinder(1))
     ('<img alt="the body"', '')
     """
-    if shape.dimension != 3 or shape.bounds is None or sum(1 for _ in postorder(shape.expression)) > MOST_NODES:
+    if shape.dimension != 3 or shape.box is None or sum(1 for _ in postorder(shape.expression)) > MOST_NODES:
         return ""
     try:
         with warnings.catch_warnings():
@@ -234,17 +241,23 @@ class Scene:
     def seen(self) -> Sight:
         """What all pixels see; beside edges rays look closer, for on a rim a quarter of a pixel decides on the leaf."""
         hits = self.caster.look(self.view.pencil, cuts=self.cuts)
+        # A ray that touches an edge to the last bit is nobody's business, a wall too thin for all rays is.
+        row, column = np.nonzero(hits.undecided)
+        self._put(hits, row, column, self.sight(column + BESIDE[0], row + BESIDE[1]))
         first = Sight.of_pixels(self.view, hits)
         pixels = first.unlike()
         if not pixels.size:
             return first
         row, column = np.divmod(pixels, self.view.size[0])
-        closer = self.sight(column, row).hits
-        for name in ("depth", "leaf", "normal", "undecided"):
-            getattr(hits, name)[row, column] = getattr(closer, name)  # a copy of all would take a fifth of the time
+        self._put(hits, row, column, self.sight(column, row))
         return Sight.of_pixels(self.view, hits)
 
-    def sight(self, columns: Floats, rows: Floats) -> Sight:
+    def _put(self, hits: Hits, row: Integers, column: Integers, closer: Sight) -> None:
+        """What was seen closer, in place: a copy of all would take a fifth of the time."""
+        for name in ("depth", "leaf", "normal", "undecided"):
+            getattr(hits, name)[row, column] = getattr(closer.hits, name)
+
+    def sight(self, columns: NDArray[Any], rows: NDArray[Any]) -> Sight:
         """What the rays of places see."""
         near = -np.inf if self.view.distance is None else 0.0
         origins, ways = self.view.rays(columns, rows)

@@ -21,7 +21,7 @@ from rsym.output.certificates import CERTIFICATES, DEFECT
 from rsym.output.pictures import checked_titles, page, require_report, whole
 from rsym.output.verdicts import plot_verdict
 from rsym.sampling.boundaries import Boundary, boundary, distances_to
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.plane import plane_section
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.answers.singular import SingularCurve
@@ -134,7 +134,7 @@ def view_of(report: RepairReport) -> ShownPlane:
     plane = meridian(shape)[0] if body else shape
     point, axis = _worst(before)
     free = [k for k in range(plane.dimension) if plane.dimension == 2 or k != axis]
-    box = bounds_of(plane, None)
+    box = bounds_or_extent(plane, None)
     return ShownPlane(
         point=(point[free[0]], point[free[1]]),
         names=(plane.coordinates[free[0]].name, plane.coordinates[free[1]].name),

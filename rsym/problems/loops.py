@@ -12,7 +12,7 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.recent import placed, recently
 from rsym.model.shape import Shape
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.level_lines import level_lines
 from rsym.sampling.plane_leaves import PlaneLeaves, leaves_of
 
@@ -69,7 +69,7 @@ def _require_all(shape: Shape, leaves: PlaneLeaves, seen: Collection[int]) -> No
     unseen = [leaf for leaf in range(leaves.count) if leaf not in seen]
     if not unseen:
         return
-    box = np.array(shape.bounds if shape.bounds is not None else extent(shape))
+    box = np.array(bounds_or_extent(shape, None))
     u, v = (np.linspace(low, high, SEEDS) for low, high in box)
     places = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     near = ON_LEAF * float(np.ptp(box, axis=1).max())

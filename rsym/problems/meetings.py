@@ -157,7 +157,7 @@ class Places:
                 step *= np.minimum(1, reach / np.linalg.norm(step, axis=1))[:, None]
                 length, noise = np.linalg.norm(step, axis=1), EPS * self._size * gain
                 doubt = length + noise
-                step[length <= noise] = 0
+                step[length <= np.where(noise > ROUNDING * self._size, noise, 0)] = 0
                 points = points - step
                 if not (np.abs(step) > ROUNDING * self._size).any():
                     break
@@ -186,11 +186,11 @@ def _spread(count: int, most: int) -> Ints:
 def _least(values: Floats, slopes: Floats) -> tuple[Floats, Floats]:
     """The step of least norm (n, dim) to the zeros of linear functions: values (n, k), slopes (n, k, dim).
 
-    And (n,) by how much it may grow an error of the values: of those over the largest slope, the norm of the inverse.
+    And (n,) by how much it may grow errors of the values, those that a step of unit length along each slope is.
     """
     bad = ~(np.isfinite(values).all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
     slopes[bad], values[bad] = 0, 0
     inverse = np.linalg.pinv(slopes, rcond=1e-12)
     step: Floats = np.einsum("nij,nj->ni", inverse, values)
     step[bad] = np.nan
-    return step, np.linalg.norm(slopes, axis=2).max(axis=1) * np.linalg.norm(inverse, axis=(1, 2))
+    return step, np.linalg.norm(inverse * np.linalg.norm(slopes, axis=2)[:, None], axis=(1, 2))

@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile, real_arrays
 from rsym.errors import RsymError, warn
+from rsym.model.bounding import BoundingBox
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.problem import Problem, vanished
 from rsym.problems.splines.web import WebSplines
-from rsym.sampling.extent import extent
-from rsym.sampling.plane import surrounded
+from rsym.sampling.extent import extent, surrounded
+from rsym.sampling.plane import SURROUNDINGS
 from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.gaps import Gap, thin_gap
 from rsym.sampling.rules.portions import CellGrid
@@ -122,10 +123,11 @@ def _require_no_gap(gap: Gap | None, grid: CellGrid, cells: int) -> None:
 def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:
     """The shape at other letters, within bounds about it there where it has any: those of before may cut it."""
     changed = shape.with_letters(values)
-    if changed.bounds is None or changed.letters == shape.letters:
+    if shape.box is None or changed.letters == shape.letters:
         return changed
     with suppress(RsymError):
-        return changed.replace(bounds=surrounded(extent(changed)))
+        box = surrounded(extent(changed), SURROUNDINGS)
+        return changed.replace(bounds=box) if changed.bounds else replace(changed, box=BoundingBox(box))
     return changed
 
 

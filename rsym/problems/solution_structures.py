@@ -8,6 +8,7 @@ from typing import Any
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Robin, Switched, UnknownLevel
 from rsym.analysis.structures import Conditioned, SolutionStructure, structure_of
 from rsym.errors import RsymError
+from rsym.logic.separation import separated
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, given_by_name
@@ -98,7 +99,7 @@ def solution_structure(shape: Shape, conditions: Any, *, length: Any = None) -> 
             expression, more = formula(getattr(condition, one.name), shape, f"the condition on {name!r}")
             values[one.name], letters = expression, letters.merge(more)
         given[name] = replace(condition, **values)
-    known = shape.replace(letters=letters)
+    known = separated(shape.replace(letters=letters))
     parts = parts_of(known, given)
     parts.require_all()
     parts.require_agreement(

@@ -12,6 +12,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.language.equations import UNKNOWN
+from rsym.logic.separation import separated
 from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
@@ -209,7 +210,7 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
     shape = shape.replace(letters={**{n: v for n, v in numbers.items() if n not in shape.letters}, **shape.letters})
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
-    return shape, named
+    return separated(shape), named
 
 
 def missed(solution: Solution) -> float:

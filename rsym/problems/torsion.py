@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,11 +11,12 @@ from numpy.typing import ArrayLike
 
 from rsym.analysis.conditions import constant, dirichlet
 from rsym.errors import RsymError
+from rsym.logic.separation import separated_gates
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.equations import equation_of
 from rsym.problems.extremes import Attained
-from rsym.problems.loops import loops_of
+from rsym.problems.loops import BoundaryLoop, loops_of
 from rsym.problems.places import relettered, rule_for, rule_order
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import Grade, last_degree, observed_order, refined
@@ -154,20 +155,21 @@ def torsion(
 
 def _problem(shape: Shape) -> Problem:
     """Prandtl's problem, a level for each hole."""
-    loops = loops_of(shape)
-    outer, inner = [loop for loop in loops if not loop.hole], [loop.leaves for loop in loops if loop.hole]
+    outer, inner = _loops(shape)
+    if _shared(outer, inner):  # as cells of one height have the leaf of their lids in common
+        shape = separated_gates(shape)
+        outer, inner = _loops(shape)
     if not outer:
         raise RsymError("the section has nothing inside", code="empty", remedy="change the letters, or the bounds")
     if len(outer) != 1:
         raise RsymError(
             f"the section has {len(outer)} outer boundaries", code="pieces", remedy="give one piece at a time"
         )
-    shared = [leaf for k, one in enumerate(inner) for leaf in one if any(leaf in other for other in inner[:k])]
-    if shared or any(leaf in outer[0].leaves for one in inner for leaf in one):
+    if _shared(outer, inner):
         raise RsymError(
             "one leaf makes up the boundaries of several holes, each of which has a level of its own",
             code="condition",
-            remedy="make each hole a part of its own",
+            remedy="make each hole of a formula of its own: a product that vanishes on both is one leaf",
         )
     equation = equation_of("-laplacian(u) = 2", shape.coordinates)
     # Holes are found again for other letters, names do not tell them.
@@ -175,6 +177,18 @@ def _problem(shape: Shape) -> Problem:
     level = {leaf for one in inner for leaf in one}
     conditions = tuple(constant() if k in level else dirichlet(0) for k in range(len(made.form.leaves)))
     return replace(made, conditions=conditions)
+
+
+def _loops(shape: Shape) -> tuple[list[BoundaryLoop], list[tuple[int, ...]]]:
+    """The outer boundaries, and the leaves of each hole."""
+    loops = loops_of(shape)
+    return [loop for loop in loops if not loop.hole], [loop.leaves for loop in loops if loop.hole]
+
+
+def _shared(outer: Sequence[BoundaryLoop], inner: Sequence[tuple[int, ...]]) -> bool:
+    """Whether two of these boundaries have a leaf in common."""
+    every = [leaf for one in (*(loop.leaves for loop in outer), *inner) for leaf in one]
+    return len({*every}) < len(every)
 
 
 def _torsion(problem: Problem, cells: int, degree: int) -> Torsion:

@@ -14,7 +14,7 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
 - `mesh`: triangles; `triangles`, `manifolds`: their measures; `status`: what is known, in brief and in full
 - `rules/`: rules of integration inside and on the boundary (`rsym.quadrature`)
 - `labels`: which parts points of the boundary belong to; `samples`: points on it or inside; on meshes: `curvatures`,
-  `leaf_fields`, `distances`
+  `leaf_fields`, `distances`; `offsets`: whether a shell is as thick as was asked for
 - letters from data: `boundary_distances` of points, or of the lines of sight of `silhouettes`; `fitting` (`rsym.fit`)
   and its `fit_report`; `sensitivity`: how fast the boundary moves with a letter
 - `pencils`, `hits`, `rays`: rays of a picture cast at the equation, and what they meet; `ray_march`: without a

@@ -1,19 +1,18 @@
 """Labels: which parts of a shape points of its boundary belong to, for meshes, rays, rules and pictures alike.
 
 An engine says which leaf it found at a point. Of which face of that, or of another leaf that runs there too, the values
-of all leaves say: those that are zero to rounding count as zero, and the walk of `rsym.logic.faces` goes down to the
-faces that are active. Those across an edge, whose gradient has another direction, are none of the point's.
+of all leaves say: those that are zero to rounding change their sign here, and the walk of `rsym.logic.faces` goes down
+to the faces with which the form does. Leaves whose gradient has another direction there are those across an edge.
 """
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from rsym.arrays import Flags, Floats, Integers, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
@@ -31,7 +30,7 @@ AT_ONCE = 2**20  # values of leaves and places
 FEW = 256
 NEWTON_STEPS = 3
 # As a share of the largest coordinate: planes so near to each other are one; the sine of the angle of their normals.
-NEAR, PARALLEL = 1e-10, 1e-5
+NEAR, PARALLEL = 1e-12, 1e-5
 LEAST: Mapping[str, Any] = {"min": np.minimum, "max": np.maximum}
 
 
@@ -73,7 +72,7 @@ class Labels:
         return np.array([*self.names, ""])[self.number]
 
 
-def labels_of(leaf: Integers, leaves: Sequence[str]) -> Labels:
+def labels_of(leaf: ArrayLike, leaves: Sequence[str]) -> Labels:
     """The labels of what is called like its leaf.
 
     Examples
@@ -89,7 +88,7 @@ def labels_of(leaf: Integers, leaves: Sequence[str]) -> Labels:
 
 @dataclass(frozen=True, eq=False)
 class Labeller:
-    """What asks for the labels of points on the boundary of a shape at letters.
+    """What asks for the labels of points on the boundary of a shape at letters; `behind` its leaves are more names.
 
     Examples
     --------
@@ -102,10 +101,50 @@ class Labeller:
 
     shape: Shape
     letters: Mapping[Any, float] | None = None
+    behind: tuple[str, ...] = ()
 
-    def __call__(self, points: Floats, leaf: Integers, behind: Sequence[str] = ()) -> Labels:
-        """The labels of points (n, dim) that were found on leaves (n,); `behind` are names of numbers behind these."""
+    def __call__(self, points: Floats, leaf: Integers) -> Labels:
+        """The labels of points (n, dim) that were found on leaves (n,)."""
+        behind = self.behind
         faces, own = shape_faces(self.shape), face_names(self.shape)
+        count = len(faces.form.leaves)
+        number, met = self._sets(points, leaf, count + len(behind))
+        of_leaf = [tuple(k for k, face in enumerate(faces.faces) if face.leaf == leaf) for leaf in range(count)]
+        titles = [BETWEEN.join(faces.title(chosen)) or own[chosen[0]] for chosen in (*of_leaf, *met)]
+        titles[count:count] = behind
+        single = (*own, *behind)
+        there = {titles[k] for k in np.unique(number[number >= 0]).tolist()}
+        joint = sorted(there - {*single}, key=lambda title: [*map(single.index, title.split(BETWEEN))])
+        names = tuple(dict.fromkeys((*single, *joint)))
+        place = {name: number for number, name in enumerate(names)}
+        table = np.array([*(place.get(title, -1) for title in titles), -1])
+        held: list[dict[str, None]] = [{name: None} if name in behind else {} for name in names]
+        for chosen in (*((k,) for k in range(len(own))), *met):
+            title = BETWEEN.join(faces.title(chosen)) or own[chosen[0]]
+            held[place[title]].update(dict.fromkeys(faces.holding(chosen) or (title,)))
+        return Labels(table[number], names, tuple(map(tuple, held)))
+
+    def nearest(self, points: Floats) -> Labels:
+        """The labels of points, each on the leaf that is nearest to it."""
+        value, gradient = self._values(points)
+        with np.errstate(all="ignore"):
+            away = np.nan_to_num(np.abs(value) / np.sqrt(np.einsum("kin,kin->kn", gradient, gradient)), nan=np.inf)
+        return self(points, away.argmin(axis=0))
+
+    def leaves(self, points: Floats, leaf: Integers) -> Ints:
+        """The leaves (n,) that bound the body at points: those that were found, or one of the same place."""
+        faces = shape_faces(self.shape)
+        most = max(len(faces.form.leaves), int(np.max(leaf, initial=0)) + 1)
+        number, met = self._sets(points, leaf, most)
+        found = np.array(leaf, np.int64)
+        for k, chosen in enumerate(met):
+            there = [faces.faces[one].leaf for one in chosen]
+            found[(number == most + k) & ~np.isin(found, there)] = there[0]
+        return found
+
+    def _sets(self, points: Floats, leaf: Integers, first_set: int) -> tuple[Ints, Sequence[tuple[int, ...]]]:
+        """Of each point the leaf where that tells the face, else the number of a set of faces plus `first_set`."""
+        faces = shape_faces(self.shape)
         count = len(faces.form.leaves)
         number = np.array(leaf, np.int64)
         met: dict[tuple[int, ...], int] = {}
@@ -117,21 +156,8 @@ class Labeller:
             packed = np.packbits(active, axis=0).T
             _, one, which = np.unique(packed, axis=0, return_index=True, return_inverse=True)
             sets = [met.setdefault(tuple(np.flatnonzero(active[:, k]).tolist()), len(met)) for k in one]
-            number[some[doubtful]] = count + len(behind) + np.array(sets, np.int64)[which.ravel()]
-        of_leaf = [tuple(k for k, face in enumerate(faces.faces) if face.leaf == leaf) for leaf in range(count)]
-        titles = [BETWEEN.join(faces.title(chosen)) or own[chosen[0]] for chosen in (*of_leaf, *met)]
-        titles[count:count] = behind
-        single = (*own, *behind)
-        met_titles = {titles[k] for k in np.unique(number[number >= 0]).tolist()}
-        joint = sorted(met_titles - {*single}, key=lambda title: [*map(single.index, title.split(BETWEEN))])
-        names = tuple(dict.fromkeys((*single, *joint)))
-        place = {name: number for number, name in enumerate(names)}
-        table = np.array([*(place.get(title, -1) for title in titles), -1])
-        held: list[dict[str, None]] = [{name: None} if name in behind else {} for name in names]
-        for chosen in (*((k,) for k in range(len(own))), *met):
-            title = BETWEEN.join(faces.title(chosen)) or own[chosen[0]]
-            held[place[title]].update(dict.fromkeys(faces.holding(chosen) or (title,)))
-        return Labels(table[number], names, tuple(map(tuple, held)))
+            number[some[doubtful]] = first_set + np.array(sets, np.int64)[which.ravel()]
+        return number, tuple(met)
 
     def _active(self, points: Floats, leaf: Ints) -> tuple[Ints, Flags]:
         """The points on leaves of which it takes a walk to know the face, and which faces (k, n) are active there."""
@@ -140,14 +166,18 @@ class Labeller:
         with np.errstate(all="ignore"):
             length = np.sqrt(np.einsum("kin,kin->kn", gradient, gradient))
             near = np.abs(value) <= NEAR * (np.abs(points).max(initial=1e-300) * length)
-            own, unit = gradient[leaf, :, every].T, length[leaf, every]
-            along = np.abs(np.einsum("kin,in->kn", gradient, own)) >= np.sqrt(1 - PARALLEL**2) * length * unit
-        near[leaf, every] = along[leaf, every] = True
+            slope = np.einsum("kin,in->kn", gradient, gradient[leaf, :, every].T)
+            here = near & (np.abs(slope) >= np.sqrt(1 - PARALLEL**2) * length * length[leaf, every])
+        near[leaf, every] = here[leaf, every] = True
+        slope[leaf, every] = 1.0
         value[near] = 0.0
-        here = near & along
         (doubtful,) = np.nonzero((here.sum(axis=0) > 1) | np.isin(leaf, list(faces.shared)))
         value, here, leaf = value[:, doubtful], here[:, doubtful], leaf[doubtful]
-        active = np.array(faces.active(list(value), operator.eq, LEAST, np.ones(len(leaf), np.bool_)))
+        # What leaves change to from one side of the surface to the other: two that change against each other, as the
+        # lid of one box and the floor of the next, may be a face of neither.
+        turn = np.where(here, np.sign(slope[:, doubtful]), 0.0)
+        sides = np.stack([np.sign(value) + turn, np.sign(value) - turn], axis=1)
+        active = np.array(faces.active(list(sides), _alike, LEAST, np.ones(len(leaf), np.bool_)))
         found = active & here[[face.leaf for face in faces.faces]]
         lost = ~found.any(axis=0)  # beside an edge of bent leaves, where the point is on the continuation of one
         if lost.any():
@@ -171,15 +201,9 @@ class Labeller:
 
     def _on_leaf(self, points: Floats, leaf: Ints) -> tuple[Floats, Floats, Floats]:
         """Points (n, dim) moved onto their leaves, where these are bent; values (k, n), gradients (k, dim, n) there."""
-        kernel, every = _leaf_kernel(self.shape), np.arange(len(leaf))
-        program = kernel.program
-        given = kernel.letters.values_with(self.letters)
-        letters, dimension = [given[name] for name in program.letters], self.shape.dimension
-        out = np.empty((len(program.outputs), len(points)))
+        every = np.arange(len(leaf))
         for step in range(NEWTON_STEPS + 1):
-            run_in_blocks(kernel.function, list(points.T.copy()), letters, out, kernel.threads)
-            parts = out.reshape(-1, 1 + dimension, len(points))
-            value, gradient = parts[:, 0], parts[:, 1:]
+            value, gradient = self._values(points)
             own, slope = value[leaf, every], gradient[leaf, :, every]
             with np.errstate(all="ignore"):
                 move = (own / np.einsum("ni,ni->n", slope, slope))[:, None] * slope
@@ -189,11 +213,26 @@ class Labeller:
             points = points - move
         return points, value, gradient
 
+    def _values(self, points: Floats) -> tuple[Floats, Floats]:
+        """The values (k, n) and gradients (k, dim, n) of all leaves at points (n, dim)."""
+        kernel = _leaf_kernel(self.shape)
+        given = kernel.letters.values_with(self.letters)
+        out = np.empty((len(kernel.program.outputs), len(points)))
+        letters = [given[name] for name in kernel.program.letters]
+        run_in_blocks(kernel.function, list(points.T.copy()), letters, out, kernel.threads)
+        parts = out.reshape(-1, 1 + self.shape.dimension, len(points))
+        return parts[:, 0], parts[:, 1:]
+
+
+def _alike(one: Floats, other: Floats) -> Flags:
+    """Where both signs (2, n) are the same."""
+    return np.asarray((one == other).all(axis=0))
+
 
 def _asked(faces: Faces) -> Flags:
     """On which leaves it takes a look to know the face; on none, behind them."""
     count = len(faces.form.leaves)
-    asked = np.full(count + 1, faces.told_apart and count <= FEW)
+    asked = np.full(count + 1, (faces.told_apart or faces.doubled) and count <= FEW)
     asked[list(faces.shared)] = True
     asked[count] = False
     return asked

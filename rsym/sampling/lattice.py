@@ -82,18 +82,6 @@ def lattice_over(bounds: Bounds, resolution: int | Sequence[int], most_points: f
     return Lattice(origin, tuple(spacing), counts)
 
 
-def bounds_of(shape: Shape, bounds: Any) -> Bounds:
-    """The bounds to sample: those given, else the shape's own."""
-    chosen = shape.replace(bounds=bounds).bounds
-    if chosen is None:
-        raise RsymError(
-            "neither the shape nor the call has bounds",
-            code="bounds",
-            remedy="give bounds=((xmin, xmax), (ymin, ymax), ...)",
-        )
-    return chosen
-
-
 def check_in_space(shape: Shape) -> None:
     """Raise unless a shape has three coordinates."""
     if shape.dimension != 3:

@@ -18,10 +18,9 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.lifting import lifted, opened, origins
 from rsym.logic.sign_form import SignForm, has_kinks, surface_form
-from rsym.model.equation import checked_bounds
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, backend_for, mesher_kernels
 from rsym.sampling.labels import Labeller, Labels
 from rsym.sampling.lattice import lattice_over, sides_of
@@ -134,10 +133,7 @@ class SharpMesher:
         return MeshFile(request.into, status)
 
     def _box(self, request: MeshRequest) -> Bounds:
-        """The bounds given, else the shape's own, else its extent at these letters."""
-        if request.bounds is not None:
-            return checked_bounds(request.bounds, 3)
-        return self.shape.bounds or extent(self.shape, request.letters)
+        return bounds_or_extent(self.shape, request.bounds, request.letters)
 
     def _job(self, resolution: Resolution, box: Bounds, letters: Mapping[Any, float] | None) -> Job:
         lattice = lattice_over(box, resolution, math.inf)
@@ -195,7 +191,7 @@ class SharpMesher:
     def _labels(self, letters: Mapping[Any, float] | None, points: Floats, leaf: Integers) -> Labels:
         """What points on leaves are called."""
         first = len(self.form.leaves) - self.form.caps
-        return Labeller(self.shape, letters)(points, self._origins[leaf], self.leaves[first:])
+        return Labeller(self.shape, letters, self.leaves[first:])(points, self._origins[leaf])
 
     def _findings(
         self, known: Findings, vertices: Floats, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job

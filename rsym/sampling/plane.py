@@ -15,14 +15,13 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.logic.inside import known_kernel
-from rsym.model.equation import checked_bounds
 from rsym.model.letters import real_number
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
 from rsym.program.calculus import SCALARS
 from rsym.program.fields import program_of
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.memory import Demand
 
@@ -276,31 +275,11 @@ def _lattice_of_view(
     """The bounds of the free coordinates, and a lattice over them."""
     box = bounds
     if bounds is None or len(bounds) == len(shape.coordinates):
-        whole = _bounds_of_view(shape, bounds, letters)
+        whole = bounds_or_extent(shape, bounds, letters, room=SURROUNDINGS)
         box = tuple(whole[k] for k in free)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
     return flat.bounds, lattice_over(flat.bounds, resolution, math.inf)
-
-
-def _bounds_of_view(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Bounds:
-    """The bounds given, else the shape's own, else its extent and some surroundings."""
-    chosen = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
-    if chosen is not None:
-        return chosen
-    return surrounded(extent(shape, letters))
-
-
-def surrounded(bounds: Bounds) -> Bounds:
-    """Bounds with some surroundings.
-
-    Examples
-    --------
-    >>> surrounded(((0.0, 8.0), (0.0, 4.0)))
-    ((-1.0, 9.0), (-0.5, 4.5))
-    """
-    wider = ((low, high, SURROUNDINGS * (high - low)) for low, high in bounds)
-    return tuple((low - margin, high + margin) for low, high, margin in wider)
 
 
 def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any = None) -> tuple[Shape, Any]:
@@ -321,12 +300,10 @@ def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any
     names = [symbol.name for symbol in shape.coordinates]
     fixed = fixed_coordinates(names, section)
     free = _free_coordinates(names, fixed)
-    own, given = (
-        tuple(box[k] for k in free) if box is not None and len(box) == len(names) else box
-        for box in (shape.bounds, bounds)
-    )
+    given = tuple(bounds[k] for k in free) if bounds is not None and len(bounds) == len(names) else bounds
+    own = shape.box and shape.box.mapped(lambda ends: tuple(ends[k] for k in free))
     letters: dict[str, Any] = {**shape.letters, **{names[k]: value for k, value in fixed.items()}}
-    return Shape(shape.expression, [shape.coordinates[k] for k in free], letters=letters, bounds=own), given
+    return Shape(shape.expression, [shape.coordinates[k] for k in free], letters=letters, box=own), given
 
 
 def checked_scalar(field: str) -> str:

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.bounds.ray_forms import ray_form
 from rsym.bounds.ray_reference import RayReference, along
 from rsym.logic.sign_form import Gate, through
@@ -20,10 +20,15 @@ from rsym.sampling.pencils import Pencil
 from rsym.sampling.ray_steps import (
     ALIKE,
     CROSSING,
+    HALVINGS,
+    LONGER,
     MOST_BEAM_STEPS,
     MOST_STEPS,
+    NARROWER,
     NEAR,
     PATIENCE,
+    ROUNDED_AWAY,
+    SETTLED,
     SHORTEST,
     TOO_OFTEN,
 )
@@ -51,6 +56,7 @@ class March:
     low: Floats
     high: Floats
     failed: Ints
+    passed: Floats
     met: Ints
 
     @classmethod
@@ -58,7 +64,8 @@ class March:
         """At t."""
         count = len(t)
         none = np.zeros(count, np.int64)
-        return cls(origins, directions, t.copy(), stop, (stop - t) / 4, t.copy(), t.copy(), none, none - 1)
+        nowhere = np.full(count, np.inf)
+        return cls(origins, directions, t.copy(), stop, (stop - t) / 4, t.copy(), t.copy(), none, nowhere, none - 1)
 
     def points(self, which: Ints, t: Floats) -> Floats:
         """Points of rays."""
@@ -150,6 +157,8 @@ class ArrayRays:
         rays = March.started(o, d, start, stop)
         lost = self._march(rays, active, pixel, constants)
         leaf = np.full(len(o), -1, np.int64)
+        room = LONGER * np.maximum((pixel[0] + pixel[1] * np.abs(rays.high)) * SHORTEST, _rounding(rays, rays.high))
+        passed = np.isfinite(rays.passed) & ~((rays.met >= 0) & (rays.high - rays.passed < room))
         met = np.flatnonzero(rays.met >= 0)
         leaf[met] = rays.met[met]
         begins = met[rays.low[met] <= start[met]]
@@ -163,11 +172,11 @@ class ArrayRays:
         leaf[lost] = active(rays.points(lost, rays.t[lost]))[1]
         rays.low[lost] = rays.high[lost] = rays.t[lost]
         normal = np.full((3, len(o)), np.nan)
-        self._settle(rays, active, leaf, normal)
+        self._settle(rays, active, leaf, normal, pixel)
         for k, plane in enumerate(planes):
             normal[:, leaf == count + k] = plane[:3, None]
         depth = np.where(leaf >= 0, rays.t, np.inf)
-        doubt = rays.failed > TOO_OFTEN
+        doubt = passed | (rays.failed > TOO_OFTEN)
         doubt[lost] = True
         return depth, leaf.astype(np.int16), normal, doubt.astype(np.uint8)
 
@@ -187,7 +196,7 @@ class ArrayRays:
             begin = t + upper * step / 2
             width = np.maximum((lower - upper) * step / 2, 0)
             size = pixel[0] + pixel[1] * np.abs(t)
-            shortest = size * SHORTEST * 2.0 ** (rays.failed[live] // PATIENCE)
+            shortest = np.maximum(size * SHORTEST, _rounding(rays, t, live)) * 2.0 ** (rays.failed[live] // PATIENCE)
             crosses = certain & (width < CROSSING * size)
             asked = ~out & (crosses | (~certain & (step <= 1.01 * shortest)))
             following = np.maximum(np.minimum(np.where(certain, width, t + step - begin), step / 2), shortest)
@@ -196,31 +205,72 @@ class ArrayRays:
             end = np.where(crosses, begin + width, t + step)
             which = live[asked]
             value, leaf = active(rays.points(which, end[asked]))
-            inside = np.where(crosses[asked], value + 0.01 * size[asked], value) > 0
+            inside = (crosses[asked] & ~np.isnan(value)) | (value > 0)
             rays.met[which[inside]] = leaf[inside]
             rays.low[which[inside]], rays.high[which[inside]] = begin[asked][inside], end[asked][inside]
             again = which[~inside]
-            rays.t[again] = np.maximum(end, begin + shortest)[asked][~inside]
+            rays.t[again] = np.where(crosses, np.maximum(end, begin + shortest), end)[asked][~inside]
             rays.step[again] = shortest[asked][~inside]
             rays.failed[again] += 1
+            jumped = np.flatnonzero(asked)[~inside & ~crosses[asked]]
+            those = live[jumped]
+            longer = along(rays.origins[those], rays.directions[those], t[jumped], LONGER * shortest[jumped])
+            wide = _width(*self.reference(constants.letters, longer))
+            narrow = _width(*(part[jumped] for part in (low, high, linear, quadratic)))
+            rays.passed[those] = np.where(
+                narrow * NARROWER < wide, np.minimum(t[jumped], rays.passed[those]), rays.passed[those]
+            )
             live = live[(rays.met[live] < 0) & (rays.t[live] < rays.stop[live])]
         return live
 
-    def _settle(self, rays: March, active: Actives, leaf: Ints, normal: Floats) -> None:
-        """Newton's method on the leaf within the bracket, and the outer unit normal."""
-        fields, count = active.fields, len(active.fields.form.leaves)
-        for turn in range(NEWTON_STEPS):
-            on = np.flatnonzero((leaf >= 0) & (leaf < count))
-            if not len(on):
-                return
-            found = fields.at(leaf[on], rays.points(on, rays.t[on]))
+    def _settle(self, rays: March, active: Actives, leaf: Ints, normal: Floats, pixel: tuple[float, float]) -> None:
+        """The root on the active leaf within the bracket, and the outer unit normal.
+
+        What Newton's method has not brought to a root is halved by the signs of the form.
+        """
+        on = np.flatnonzero((leaf >= 0) & (leaf < len(active.fields.form.leaves)))
+        near = self._newton(rays, active, leaf, normal, on, pixel)
+        near &= active(rays.points(on, rays.t[on]))[1] == leaf[on]
+        far = on[~near]
+        for _ in range(HALVINGS if len(far) else 0):
+            middle = (rays.low[far] + rays.high[far]) / 2
+            value, there = active(rays.points(far, middle))
+            inside = value > 0
+            rays.high[far], rays.low[far] = (
+                np.where(inside, middle, rays.high[far]),
+                np.where(inside, rays.low[far], middle),
+            )
+            leaf[far] = np.where(inside, there, leaf[far])
+        rays.t[far] = rays.high[far]
+        self._newton(rays, active, leaf, normal, far, pixel)
+
+    def _newton(
+        self, rays: March, active: Actives, leaf: Ints, normal: Floats, on: Ints, pixel: tuple[float, float]
+    ) -> Flags:
+        """Newton's method on the leaves of some rays; whether its last step was short."""
+        fields, near = active.fields, np.zeros(len(on), np.bool_)
+        for turn in range(NEWTON_STEPS if len(on) else 0):
+            t = rays.t[on]
+            found = fields.at(leaf[on], rays.points(on, t))
             gradient = found["gradient"]
-            moved = rays.t[on] - found["value"] / np.einsum("ij,ij->i", gradient, rays.directions[on])
-            kept = np.where(np.isfinite(moved), np.clip(moved, rays.low[on], rays.high[on]), rays.t[on])
+            moved = t - found["value"] / np.einsum("ij,ij->i", gradient, rays.directions[on])
+            kept = np.where(np.isfinite(moved), np.clip(moved, rays.low[on], rays.high[on]), t)
+            near = abs(moved - t) <= np.maximum((pixel[0] + pixel[1] * np.abs(t)) * SETTLED, _rounding(rays, t, on))
             rays.t[on] = kept
             normal[:, on] = -gradient.T / np.linalg.norm(gradient, axis=1)
             if turn == NEWTON_STEPS // 2:
                 leaf[on] = active(rays.points(on, kept))[1]
+        return np.asarray(near)
+
+
+def _rounding(rays: March, t: Floats, which: Ints | slice = slice(None)) -> Floats:
+    """How close two points of rays near t can be for their difference to say anything."""
+    return np.asarray((np.abs(rays.origins[which]).sum(axis=1) + np.abs(t)) * ROUNDED_AWAY)
+
+
+def _width(low: Floats, high: Floats, linear: Floats, quadratic: Floats) -> Floats:
+    """How far apart two values of a model may be."""
+    return np.asarray(high - low + 2 * (np.abs(linear) + np.abs(quadratic)))
 
 
 @dataclass(frozen=True)

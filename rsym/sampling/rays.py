@@ -15,10 +15,10 @@ from rsym.arrays import Floats, Shorts
 from rsym.backends.kernel import checked_threads
 from rsym.backends.registry import default_backend
 from rsym.errors import RsymError
-from rsym.model.equation import checked_bounds
+from rsym.model.bounding import checked_bounds
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.hits import Hits, Rays, Seen
 from rsym.sampling.labels import Labeller, Labels
@@ -89,7 +89,7 @@ class Caster:
     @cached_property
     def bounds(self) -> Bounds:
         """The box that the body is cut off at, for the letters as they are."""
-        return self._bounds or self.shape.bounds or extent(self.shape, self.letters)
+        return bounds_or_extent(self.shape, self._bounds, self.letters)
 
     @cached_property
     def leaves(self) -> tuple[str, ...]:
@@ -187,7 +187,7 @@ class Caster:
     def _called(self, letters: Mapping[str, float], points: Floats, leaf: Shorts) -> Labels:
         """What points are called; on a cut they have no name."""
         known = np.where(leaf < len(self.leaves), leaf, -1)
-        return Labeller(self.shape, letters)(points, known, self.leaves[len(self._leaf_fields.form.leaves) :])
+        return Labeller(self.shape, letters, self.leaves[len(self._leaf_fields.form.leaves) :])(points, known)
 
     def _planes(self, cuts: tuple[Cut, ...]) -> Floats:
         """The half-spaces of the bounds and of the cuts: outer normal and offset."""

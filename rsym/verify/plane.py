@@ -20,7 +20,7 @@ from rsym.bounds.intervals import IntervalFunction
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.extent import outer_bounds
 from rsym.sampling.progress import Effort
 from rsym.verify.answers.account import audited, distinct, missing
 from rsym.verify.answers.conclusions import Tally, badness, conclude, verdict_from
@@ -59,12 +59,15 @@ class CurveStudy:
 
 
 class Question:
-    """Is the boundary smooth, of a shape in the plane or of a meridian? Asked for many letters, it is prepared once."""
+    """Is the boundary smooth, of a shape in the plane or of a meridian? Asked for many letters, it is prepared once.
 
-    def __init__(self, shape: Shape, bounds: Any = None) -> None:
+    Where no window is stated, the one is taken that fits at the letters that are given here.
+    """
+
+    def __init__(self, shape: Shape, bounds: Any = None, letters: Mapping[Any, Any] | None = None) -> None:
         self._letters, self._body = shape.letters, shape.dimension == 3
         plane, axis = meridian(shape) if self._body else (shape, 0)
-        box = bounds_of(shape, bounds)
+        box = outer_bounds(shape, bounds, ranges_of(shape.letters, letters))
         self._within: Box = _half_plane(box, axis) if self._body else tuple((float(a), float(b)) for a, b in box)
         expression = within_cells(cleaned(without_rounded_levels(plane.expression)), plane.coordinates, self._within)
         self._plane = plane.replace(expression=without_scale(expression))

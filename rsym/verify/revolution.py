@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
+from typing import Any
 
 import sympy as sp
 
@@ -53,12 +55,15 @@ def find_meridian(shape: Shape) -> tuple[Shape, int] | None:
         first, second = (symbol for symbol in shape.coordinates if symbol != along)
         expression = in_radius(shape.expression, first, second)
         if expression is not None:
-            bounds = None
-            if shape.bounds is not None:  # up to the edges of the box, which are the farthest from the axis
-                across = [max(map(abs, shape.bounds[k])) for k in range(3) if k != axis]
-                bounds = (shape.bounds[axis], (-math.hypot(*across), math.hypot(*across)))
-            return Shape(expression, (along, first), letters=shape.letters, bounds=bounds), axis
+            box = shape.box and shape.box.mapped(partial(_profile, axis))
+            return Shape(expression, (along, first), letters=shape.letters, box=box), axis
     return None
+
+
+def _profile(axis: int, ends: Any) -> Any:
+    """A box in space as one of the meridian: up to the edges, which are the farthest from the axis."""
+    reach = math.hypot(*(max(map(abs, ends[k])) for k in range(3) if k != axis))
+    return ends[axis], (-reach, reach)
 
 
 def in_radius(expression: sp.Expr, first: sp.Symbol, second: sp.Symbol) -> sp.Expr | None:

@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.model.requirements import require_count, require_positive, require_shape
-from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import bounds_or_extent
+from rsym.model.shape import Shape
+from rsym.sampling.extent import goes_beyond, outer_bounds
 from rsym.sampling.progress import Effort, Progress
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.bodies import BUDGET as BODY_BUDGET
 from rsym.verify.bodies import Study, report_body, study_body
-from rsym.verify.boxes.local import Interval
 from rsym.verify.fibres import report_over_ranges
 from rsym.verify.plane import BUDGET, SMALLEST, Question, report_curve
 from rsym.verify.revolution import find_meridian
 
 METHODS = ("auto", "meridian", "space")
+R = TypeVar("R", SmoothnessReport, BodyReport)
 
 
 def verify_smoothness(
@@ -99,10 +100,24 @@ def verify_smoothness(
     if _in_space(shape, method):
         values = ranges_of(shape.letters, letters)
         if any(low != high for low, high in values.values()):
-            box = _bounds_in_space(shape, bounds, values)
+            box = outer_bounds(shape, bounds, values)
             return report_over_ranges(shape, box, values, effort, smallest=smallest, budget=budget or BODY_BUDGET)
-        return report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort))
-    return report_curve(Question(shape, bounds).study(letters, smallest, budget or BUDGET, effort))
+        return _beyond(report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort)), shape, bounds)
+    study = Question(shape, bounds, letters).study(letters, smallest, budget or BUDGET, effort)
+    return _beyond(report_curve(study), shape, bounds)
+
+
+def _beyond(report: R, shape: Shape, bounds: Any) -> R:
+    """The report, which says whether the boundary goes on beyond the window that it speaks of."""
+    if any(low < high for low, high in report.letters.values()):
+        return report
+    beyond = goes_beyond(shape, bounds, {name: low for name, (low, _) in report.letters.items()})
+    said = {
+        True: "the boundary goes on beyond these bounds",
+        False: "all of the boundary lies within these bounds",
+        None: "whether the boundary goes on beyond these bounds is not known",
+    }[beyond]
+    return replace(report, statements=(*report.statements, (said, beyond is not None)))
 
 
 def _in_space(shape: Any, method: str) -> bool:
@@ -129,12 +144,8 @@ def studied_in_space(
 ) -> Study:
     """What boxes in space say of a body; `rsym.verify.bodies.report_body` makes a report of it."""
     values = ranges_of(shape.letters, letters)
-    box = _bounds_in_space(shape, bounds, values)
+    box = outer_bounds(shape, bounds, values)
     return study_body(shape, box, values, smallest=smallest, budget=budget or BODY_BUDGET, effort=effort)
-
-
-def _bounds_in_space(shape: Shape, bounds: Any, values: Mapping[str, Interval]) -> Bounds:
-    return bounds_or_extent(shape, bounds, {name: float((low + high) / 2) for name, (low, high) in values.items()})
 
 
 def verdict_of(
@@ -157,4 +168,4 @@ def quick_report(
     if _in_space(shape, "auto"):
         study = studied_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET, effort)
         return report_body(study, sharpened=sharpening > 0)
-    return Question(shape, bounds).report(letters, budget=budget, sharpening=sharpening, effort=effort)
+    return Question(shape, bounds, letters).report(letters, budget=budget, sharpening=sharpening, effort=effort)

@@ -90,7 +90,7 @@ def test_the_error_of_float32_on_random_trees(tree):
 
 def test_both_backends_give_the_same_bits_in_float32():
     body = rsym.paper.skeleton_body()
-    points = [np.random.default_rng(7).uniform(*side, 1000) for side in body.bounds]
+    points = [np.random.default_rng(7).uniform(*side, 1000) for side in body.box.ends]
     first, second = (rsym.compile(body, ALL, backend=name, dtype="float32")(*points) for name in ("numpy", "llvm"))
     for name in ALL:
         assert first[name].dtype == (bool if name == "singular" else np.float32)

@@ -53,7 +53,7 @@ def case(name):
         return np.array(columns), [], run_backend("numpy", program, columns)[None]
     shape = shipped(name)
     generator = np.random.default_rng(4)
-    points = np.array([generator.uniform(*map(float, side), POINTS) for side in shape.bounds])
+    points = np.array([generator.uniform(*map(float, side), POINTS) for side in shape.box.ends])
     points[:, :100] = points[:, :100].round()
     points[:, 100:120] = 0
     points[0, 100:104] = np.nan, np.inf, -np.inf, 1e200

@@ -61,7 +61,7 @@ def test_every_operation_over_awkward_arguments(tmp_path):
 @pytest.mark.parametrize("flags", [FAST, ("-O0", "-ffp-contract=off")])
 def test_the_bits_of_the_kernel(flags, tmp_path):
     body = rsym.paper.skeleton_body()
-    columns = [np.random.default_rng(1).uniform(*side, 1003) for side in body.bounds]
+    columns = [np.random.default_rng(1).uniform(*side, 1003) for side in body.box.ends]
     for column in columns:
         column[:3] = 0.0, 3.0, np.nan
     letters = [float(letter.default) for letter in body.letters.values()]

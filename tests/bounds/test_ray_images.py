@@ -167,7 +167,7 @@ def test_forms_of_shipped_models_contain_them(name):
     generator = np.random.default_rng(zlib.crc32(name.encode()))
     reference = RayReference(ray_form(shape_form(shape), lines=len(name) % 2 == 0))
     fields = LeafFields(shape)
-    box = np.array(shape.bounds, float)
+    box = np.array(shape.box.ends, float)
     origins = generator.uniform(box[:, 0], box[:, 1], (200, 3))
     directions = generator.normal(size=(200, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, None]

@@ -45,12 +45,23 @@ def book_conjunction(system, f, g):
     return (f + g - mp.sqrt(square + lift)) / (1 + cosine)
 
 
+def book_carried(system, f, g):
+    """What a third operand is blended with: of circles the distance from the rounded edge."""
+    if not isinstance(system, Rho) or system.continuity == "G2":
+        return book_conjunction(system, f, g)
+    rho, cosine = (mp.mpf(parameter.p) / parameter.q for parameter in system.parameters)
+    u, v = rho - f, rho - g
+    if u > cosine * v and v > cosine * u:
+        return rho - mp.sqrt((u * u + v * v - 2 * cosine * u * v) / (1 - cosine**2))
+    return min(f, g)
+
+
 def book(system, sign, *values):
     """The left fold, the disjunction by duality."""
-    result = -sign * values[0]
-    for value in values[1:]:
-        result = book_conjunction(system, result, -sign * value)
-    return -sign * result
+    head, *rest, last = (-sign * value for value in values)
+    for value in rest:
+        head = book_carried(system, head, value)
+    return -sign * book_conjunction(system, head, last)
 
 
 @pytest.fixture
@@ -367,5 +378,5 @@ def test_intervals_stay_sharp_in_nests_with_letters(family, random):
 
 def test_a_displacement_that_adds_material_is_not_cut_by_the_bounds_of_its_operands():
     discs = rsym.disc(1), rsym.disc(1, (1, 0))
-    assert rsym.displacement_blend(*discs, 1).bounds is None
-    assert rsym.displacement_blend(*discs, -1).bounds == (discs[0] | discs[1]).bounds
+    assert rsym.displacement_blend(*discs, 1).box is None
+    assert rsym.displacement_blend(*discs, -1).box.ends == (discs[0] | discs[1]).box.ends

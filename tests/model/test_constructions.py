@@ -82,7 +82,8 @@ def test_parts_move_with_the_shape():
 
 def test_letters_of_a_motion_are_those_of_the_shape():
     moved = PLANE.translate(k, s, letters={k: 1, s: Letter(2, minimum=0)})
-    assert moved.bounds == ((-1, 4), (1, 4))
+    assert moved.bounds is None  # letters move it
+    assert moved.box.ends == ((-1, 4), (1, 4))
     with pytest.raises(RsymError, match="s"):
         PLANE.translate(k, s, letters={k: 1})
     with pytest.raises(RsymError, match="two things"):
@@ -204,3 +205,87 @@ def test_a_map_is_renormalised_on_request():
     assert_normalised(rsym.transform(disc, {y: y - x**2}, renormalise=True, bounds=bent.bounds), 1)
     with pytest.raises(AssertionError):
         assert_normalised(bent, 1)
+
+
+SOLIDS = {
+    "box": (rsym.box(60, 40, 25), 2, 60 * 40 * 25 - 56 * 36 * 21),
+    "cube": (rsym.box(20, 20, 20), 2, 20**3 - 16**3),
+    "cylinder": (rsym.cylinder(5, 10), 1, np.pi * (25 * 10 - 16 * 8)),
+    "drilled": (rsym.box(8, 8, 4) - rsym.cylinder(1, 9), 1, (64 - np.pi) * 4 - (36 - 4 * np.pi) * 2),
+}
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_the_walls_of_a_shell_have_the_thickness_that_was_asked_for(name):
+    body, thickness, volume = SOLIDS[name]
+    assert_close(rsym.measure(rsym.shell(body, thickness)).volume, volume, rtol=1e-9)
+
+
+def test_an_offset_piece_is_the_piece_of_other_numbers():
+    assert rsym.offset(rsym.disc(10), 2).expression == rsym.disc(12).expression
+    assert rsym.offset(rsym.box(60, 40, 25), -2).expression == rsym.box(56, 36, 21).expression
+    assert rsym.offset(~rsym.sphere(3), 1).expression == (~rsym.sphere(2)).expression
+    assert rsym.offset(rsym.disc(2).scale(3), -1).expression == rsym.disc(5).expression
+    assert rsym.offset(rsym.slab(1, 4, (0, 3, 4)), 1).expression.equals(rsym.slab(0, 5, (0, 3, 4)).expression)
+
+
+# Of each the true distance from the boundary, written by hand.
+def _to_segment(p, end):
+    share = np.clip(p @ end / (end @ end), 0, 1)
+    return np.linalg.norm(p - share[:, None] * end, axis=1)
+
+
+LONE = {
+    "ball": (rsym.sphere(2, (1, 2, 3)), lambda p: 2 - np.linalg.norm(p - [1, 2, 3], axis=1)),
+    "ring": (
+        rsym.torus(3, 1).rotate(1, (1, 2, 3)),
+        lambda p: 1 - np.hypot(np.hypot(*(p @ turn(1, [1, 2, 3])).T[:2]) - 3, (p @ turn(1, [1, 2, 3]))[:, 2]),
+    ),
+    "capsule": (
+        rsym.capsule((0, 0, 0), (1, 2, 2), sp.Rational(3, 2)),
+        lambda p: 1.5 - _to_segment(p, np.array([1.0, 2.0, 2.0])),
+    ),
+    "slab": (rsym.slab(0, 3, (1, 2, 2)), lambda p: 1.5 - np.abs(p @ [1 / 3, 2 / 3, 2 / 3] - 1.5)),
+    "cylinder": (
+        rsym.cylinder(2).rotate(0.12345678912345, x),
+        lambda p: 2 - np.hypot(*(p @ turn(0.12345678912345, [1, 0, 0])).T[:2]),
+    ),
+    "not normalised": (Shape(4 - x**2 - y**2 - z**2, (x, y, z)), lambda p: 2 - np.linalg.norm(p, axis=1)),
+    "a letter": (rsym.sphere(k, letters={k: 2}), lambda p: 2 - np.linalg.norm(p, axis=1)),
+}
+
+
+@pytest.mark.parametrize("name", LONE)
+@pytest.mark.parametrize("distance", [sp.Rational(-1, 2), sp.Rational(3, 4), -5])
+def test_every_leaf_that_knows_its_distance_is_moved_by_it(name, distance):
+    shape, truth = LONE[name]
+    points = RANDOM.uniform(-5, 5, (400, 3))
+    expected = truth(points) + float(distance)
+    moved = values(rsym.offset(shape, distance), points)
+    clear = np.abs(expected) > 1e-9
+    assert (np.sign(moved) == np.sign(expected))[clear].all()
+    near = np.abs(expected) < 1e-2
+    assert_close(moved[near], expected[near], atol=1e-3)
+
+
+def test_where_no_leaf_knows_the_thickness_its_range_is_told():
+    """Of the ellipse: at its vertices the depth of omega is 1/2 where s*(1 + s/(2*a)) tells it otherwise."""
+    with pytest.warns(rsym.RsymWarning, match=r"the thickness is 0\.45\d* to 0\.47\d* instead of 0\.5: omega measures"):
+        rsym.shell(rsym.ellipse(3, 2), sp.Rational(1, 2))
+    with pytest.warns(rsym.RsymWarning, match=r"the offset is 1 to 1\.4\d* instead of 1: edges keep their corners"):
+        rsym.offset(rsym.rectangle(6, 4), 1)
+    with pytest.warns(rsym.RsymWarning, match="could not be measured"):
+        rsym.shell(Shape(x - y**2, (x, y)), 1)
+    rsym.offset(rsym.disc(1) | rsym.disc(1, (1, 0)), 1)  # unions grow exactly
+
+
+def test_a_shell_thicker_than_the_body_is_the_body():
+    wall = rsym.shell(rsym.disc(1), 2)
+    points = RANDOM.uniform(-2, 2, (200, 2))
+    assert (np.sign(values(wall, points)) == np.sign(1 - np.linalg.norm(points, axis=1))).all()
+
+
+def test_a_fillet_grows_with_the_body():
+    corner = Shape(rsym.conjunction(4 - x, 3 - y, system=rsym.Rho(1)), (x, y))
+    grown = rsym.offset(corner, sp.Rational(1, 2))
+    assert grown.expression == rsym.conjunction(sp.Rational(9, 2) - x, sp.Rational(7, 2) - y, system=rsym.Rho(1.5))

@@ -220,7 +220,7 @@ def test_an_exact_circle_is_a_distance(exact):
 def test_a_curve_is_positive_off_itself(name):
     """Also where what was trimmed off would go on; never less than a tenth of the distance, near it about as much."""
     case, random = CASES[name], np.random.default_rng(3)
-    curve, box = case.curve, case.shape.bounds or ((-3, 3), (-3, 3), (-3, 3))
+    curve, box = case.curve, (case.shape.box and case.shape.box.ends) or ((-3, 3), (-3, 3), (-3, 3))
     if name == "helix":
         curve, box = winding(2, 1, 6), ((-3, 3), (-3, 3), (2, 4))
     dense = np.array([curve(k / 800)[0] for k in range(801)], float)
@@ -230,7 +230,7 @@ def test_a_curve_is_positive_off_itself(name):
     assert (values[distances > 0.05] > 0.1 * distances[distances > 0.05]).all()
     near = distances < 0.1
     assert (values[near] < 3 * distances[near]).all()
-    if case.shape.bounds:
+    if case.shape.box:
         assert (np.array(box)[:, 0] < dense.min(axis=0)).all()
         assert (np.array(box)[:, 1] > dense.max(axis=0)).all()
 

@@ -123,3 +123,42 @@ def test_what_is_refused(make, code):
     with pytest.raises(RsymError) as caught:
         make()
     assert caught.value.code == code
+
+
+def _from_round_box(points, halves, radius):
+    """The signed distance of a box with round edges, positive inside."""
+    beyond = np.abs(points) - (np.array(halves) - radius)
+    outside = np.linalg.norm(np.maximum(beyond, 0), axis=1)
+    return radius - outside - np.minimum(beyond.max(axis=1), 0)
+
+
+ROUND = {
+    "rectangle": (lambda: rsym.rectangle(6, 4, system=rsym.Rho(0.5)), (3, 2), 0.5),
+    "box": (lambda: rsym.box(60, 40, 25, system=rsym.Rho(4)), (30, 20, 12.5), 4),
+    "prism": (
+        lambda: rsym.extrude(rsym.strip(-3, 3), -1, 2, system=rsym.Rho(1)).translate(0, 0, -0.5),
+        (3, 9e9, 1.5),
+        1,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ROUND)
+def test_the_edges_of_a_piece_under_rho_have_its_radius(name):
+    made, halves, radius = ROUND[name]
+    shape = made()
+    reach = np.minimum(halves, 10 * radius) * 1.2
+    points = np.random.default_rng(3).uniform(-1, 1, (20000, len(halves))) * reach
+    near = np.abs(points) + np.array(halves) - reach / 1.2 if name == "box" else points
+    truth = _from_round_box(near, halves, radius)
+    inside = shape.contains(*near.T)
+    clear = np.abs(truth) > 1e-12
+    assert (inside == (truth > 0))[clear].all()
+    assert 1000 < (truth > 0).sum() < 19000
+
+
+def test_the_rims_of_a_cylinder_under_rho_have_its_radius():
+    shape = rsym.cylinder(5, 10, system=rsym.Rho(1))
+    points = np.random.default_rng(3).uniform(-6, 6, (20000, 3))
+    truth = _from_round_box(np.stack([np.hypot(*points[:, :2].T), points[:, 2]], axis=1), (5, 5), 1)
+    assert (shape.contains(*points.T) == (truth > 0)).all()

@@ -128,7 +128,7 @@ def test_either_way_round_from_any_corner_and_in_any_container():
         assert set(half_planes(polygon(corners).expression)) == expected
     halved = [ELL[0], (1, 0), *ELL[1:], (0, 1)]
     assert set(half_planes(polygon(halved).expression)) == expected
-    assert polygon(np.array(ELL) / 4.0).bounds == ((-0.05, 0.55), (-0.05, 0.55))
+    assert polygon(np.array(ELL) / 4.0).box.ends == ((-0.05, 0.55), (-0.05, 0.55))
 
 
 def test_letters_stay_letters():
@@ -154,7 +154,7 @@ def test_regular_polygons(sides):
     value = rsym.compile(shape)(*points.T)["value"]
     assert ((value > 0) == outlines.inside(corners, points)).all()
     room = 0.1 * np.ptp(corners, axis=0).max()
-    assert_close(np.transpose(shape.bounds), [corners.min(axis=0) - room, corners.max(axis=0) + room], atol=1e-12)
+    assert_close(np.transpose(shape.box.ends), [corners.min(axis=0) - room, corners.max(axis=0) + room], atol=1e-12)
     assert_normalised(random_motion(shape, sides), 1, clearance=1e-3)
     assert_normalised(regular_polygon(sides, 2, system=R1), 4, clearance=1e-4)
 

@@ -82,7 +82,7 @@ PIECES = {
         lambda u, v: (abs(u + 0.3) < 1.125) & (abs(v - 1) < 0.4),
     ),
 }
-BOUNDED = [name for name, (shape, *_) in PIECES.items() if shape.bounds]
+BOUNDED = [name for name, (shape, *_) in PIECES.items() if shape.box]
 
 
 @pytest.mark.random
@@ -90,7 +90,7 @@ BOUNDED = [name for name, (shape, *_) in PIECES.items() if shape.bounds]
 def test_normalised_to_the_order_it_states(name):
     shape, order, _ = PIECES[name]
     for seed in range(3):
-        assert_normalised(random_motion(shape, seed, bounds=shape.bounds or FAR), order, seed=seed)
+        assert_normalised(random_motion(shape, seed, bounds=(shape.box and shape.box.ends) or FAR), order, seed=seed)
 
 
 @pytest.mark.parametrize("name", PIECES)
@@ -107,7 +107,7 @@ def test_positive_inside_and_negative_outside(name):
 @pytest.mark.parametrize("name", BOUNDED)
 def test_bounds_leave_a_tenth_of_the_largest_side_free(name):
     shape = PIECES[name][0]
-    low, high = np.array(shape.bounds).T
+    low, high = np.array(shape.box.ends).T
     wide = tuple(zip(low - 1, high + 1, strict=True))
     points, _ = boundary_points(shape, 2000, bounds=wide, clearance=0)
     extent = np.ptp(np.asarray(points, float), axis=0)

@@ -92,7 +92,7 @@ def test_every_primitive_is_normalised_to_the_order_it_states(name, shape, order
 def test_order_one_is_not_order_two(shape):
     """Red proof of the oracle."""
     with pytest.raises(AssertionError):
-        assert_normalised(shape, 2, 20, bounds=shape.bounds or CUBE)
+        assert_normalised(shape, 2, 20, bounds=(shape.box and shape.box.ends) or CUBE)
 
 
 A, B, C = sp.symbols("A B C", positive=True)
@@ -132,10 +132,10 @@ def test_letters_stand_for_numbers_everywhere(build):
         expected = rsym.compile(plain)(*points)["value"]
         got = rsym.compile(shape)(*points, letters={key.name: float(value) for key, value in values.items()})["value"]
         assert_close(got, expected, atol=1e-12)
-    bounds = build(*first.values()).bounds
-    assert (shape.bounds is None) == (bounds is None)
-    if bounds is not None:
-        assert_close(shape.bounds, bounds, atol=1e-12)
+    box = build(*first.values()).box
+    assert (shape.box is None) == (box is None)
+    if box is not None:
+        assert_close(shape.box.ends, box.ends, atol=1e-12)
 
 
 def rho(p):
@@ -222,7 +222,7 @@ def test_solids_mesh_closed_with_their_volume_inside_their_bounds(shape, volume,
     assert mesh.status.closed
     assert mesh.status.euler_characteristic == euler
     assert_close(mesh.status.volume, volume, rtol=8e-3)
-    bounds = np.array(shape.bounds)
+    bounds = np.array(shape.box.ends)
     extent = np.ptp(bounds, axis=1)
     room = extent.max() / 12
     assert_close(mesh.vertices.min(axis=0), bounds[:, 0] + room, atol=0.03 * extent.max())

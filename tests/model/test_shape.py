@@ -39,12 +39,14 @@ def test_operator_chains_give_the_same_program_as_one_operation():
     assert str(chained) == str(program_of(conjunction(conjunction(f, g), h), ("value",)))
 
 
-def test_combining_merges_letters_and_bounds():
+def test_combining_merges_letters_and_boxes():
     p = Shape(a - x, (x, y), letters={a: 1}, bounds=((-1, 1), (-1, 1)))
     q = Shape(b - y, (x, y), letters={b: 2}, bounds=((0, 3), (-2, 0)))
     both = p | q
     assert list(both.letters) == ["a", "b"]
-    assert both.bounds == ((-1, 3), (-2, 1))
+    assert both.bounds is None
+    assert both.box.ends == ((-1, 3), (-2, 1))
+    assert (p & Shape(y, (x, y))).bounds == (p | p).bounds == (p - q).bounds == p.bounds
 
 
 def test_conflicting_letters_are_refused():

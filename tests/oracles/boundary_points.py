@@ -137,7 +137,7 @@ def boundary_points(shape, count=200, *, bounds=None, letters=None, seed=0, clea
     than `clearance` times the extent of the box (edges, apexes), and those where one of
     `away_from` is: expressions in coordinates and letters, or functions of points (n, d).
     """
-    box = np.array(bounds or shape.bounds, float)
+    box = np.array(bounds or shape.box.ends, float)
     assert box.shape == (shape.dimension, 2), "give bounds"
     low, extent = box[:, 0], float(np.ptp(box, axis=1).max())
     expansion, random = Expansion(shape, letters), np.random.default_rng(seed)
@@ -219,7 +219,7 @@ def assert_normalised(
     )
     gradients = Expansion(shape, letters).value_and_gradient(points)[1]
     assert_close(np.sqrt((gradients**2).sum(axis=1)), np.ones(count), atol=gradient_tolerance)
-    extent = float(np.ptp(np.array(bounds or shape.bounds, float), axis=1).max())
+    extent = float(np.ptp(np.array(bounds or shape.box.ends, float), axis=1).max())
     derivatives = normal_derivatives(shape, points, normals, order, letters=letters)
     for k in range(2, order + 1):
         assert_close(derivatives[k] * extent ** (k - 1), np.zeros(count), atol=higher_tolerance)
@@ -233,7 +233,7 @@ def random_motion(shape, seed=0, *, bounds=None):
     move = sp.Matrix([sp.Rational(int(random.integers(-30, 31)), 10) for _ in shape.coordinates])
     old = matrix.T * (sp.Matrix(shape.coordinates) - move)
     expression = shape.expression.xreplace(dict(zip(shape.coordinates, old, strict=True)))
-    box = bounds or shape.bounds
+    box = bounds or shape.box.ends
     corners = np.array(list(product(*box))) @ np.array(matrix, float).T + np.array(move.T, float)
     moved = list(zip(corners.min(axis=0), corners.max(axis=0), strict=True))
     return Shape(expression, shape.coordinates, letters=shape.letters, bounds=moved)

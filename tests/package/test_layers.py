@@ -21,7 +21,7 @@ LAYERS = {
     # Left of all that has something to say.
     "reports": set(),
     "arrays": {"numpy"},  # for those layers that may import numpy themselves
-    "model": {"sympy"},
+    "model": {"sympy", "mpmath"},  # mpmath: what SymPy evaluates with
     "facade": {"lazy_loader"},
     "analysis": {"sympy"},
     "program": {"sympy", "numpy"},  # numpy: the plain meaning of operations on arrays
@@ -54,6 +54,10 @@ DEFERRED = {
         "model/shape.py",
         "rsym.output.rendering",
     ): "a shape in space shows itself in a notebook by a small picture: who asks for its HTML wants to see it",
+    (
+        "model/constructions.py",
+        "rsym.sampling.offsets",
+    ): "offset and shell: a length that no leaf knows is measured where it is asked for, or nobody would look at it",
     (
         "surfaces/patch.py",
         "rsym.surfaces.meshes",

@@ -69,7 +69,7 @@ def test_a_corner_of_three_planes_has_a_gradient_into_the_solid():
 def test_away_from_corners_nothing_changes_not_a_bit():
     shape = rsym.load("car").shape if hasattr(rsym.load("car"), "shape") else rsym.load("car")
     rng = np.random.default_rng(7)
-    points = [rng.uniform(low, high, 400) for low, high in shape.bounds]
+    points = [rng.uniform(low, high, 400) for low, high in shape.box.ends]
     usual = rsym.compile(shape, FIELDS[:5])(*points)
     one = rsym.compile(shape, FIELDS[:5], at_corners="one-sided")(*points)
     for field in FIELDS[:5]:

@@ -30,7 +30,7 @@ SHIFT = np.array((0.381966, 0.414214, 0.442777))
 
 def certified(shape, resolution, *, depth=3):
     """The form of a shape with caps, the lattice, and what is unresolved; every block is handed over."""
-    lower, upper = np.array(shape.bounds, float).T
+    lower, upper = np.array(shape.box.ends, float).T
     spacing = (upper - lower).max() / resolution * np.ones(3)
     lattice = np.concatenate([lower - SHIFT * spacing, spacing])
     form = surface_form(shape).capped()

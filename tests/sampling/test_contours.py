@@ -64,13 +64,15 @@ def test_a_jump_is_on_the_zeros_of_its_condition():
 @pytest.mark.parametrize("partial", [sp.sqrt(x - 2), sp.log(x - 2), sp.asin(x - 4), (x - 2) ** sp.Rational(1, 3)])
 @pytest.mark.parametrize("system", [rsym.R0, rsym.R1])
 def test_a_part_without_a_value_leaves_its_partners(partial, system):
-    part = Shape(partial - y, (x, y), bounds=((-3, 5), (-3, 3)))
-    lines = rsym.level_lines(rsym.disjunction(rsym.disc(1), part, system=system), resolution=80)
+    part, box = Shape(partial - y, (x, y)), ((-3, 5), (-3, 3))
+    lines = rsym.level_lines(rsym.disjunction(rsym.disc(1), part, system=system), resolution=80, bounds=box)
     (circle,) = [line for line in lines if (line[0] == line[-1]).all()]
     assert_close(np.hypot(*circle.T), np.ones(len(circle)), atol=1e-13)
     assert lines.status.kept == lines.status.unresolved_corners == 0
     assert "undefined" in str(lines.status)
-    assert len(rsym.level_lines(rsym.disc(1) - part, resolution=40)) == 0  # nothing is known to be left of it
+    assert (
+        len(rsym.level_lines(rsym.disc(1) - part, resolution=40, bounds=box)) == 0
+    )  # nothing is known to be left of it
 
 
 @pytest.mark.parametrize("resolution", [31, 64])

@@ -9,6 +9,7 @@ import rsym
 from rsym import Shape, x, y, z
 from rsym.backends.kernel import compile_program
 from rsym.logic.faces import shape_faces
+from rsym.output.design.pages import page_of
 from rsym.sampling.labels import Labeller
 
 SQUARES = rsym.rectangle(1, 1).named("A") | rsym.rectangle(1, 1).translate(2, 0).named("B")
@@ -120,3 +121,22 @@ def test_rays_see_the_part_that_bounds_the_body():
     both = rsym.render(OVERLAP, camera="top", size=(80, 60), colour_by="part")
     seen = np.array([*both.parts, ""])[both.part][np.isfinite(both.points[..., 0])]
     assert set(seen.tolist()) == {"A", "B", "A / B"}
+
+
+def test_the_lint_says_which_parts_have_a_face_in_common():
+    (found,) = rsym.lint(rsym.rectangle(2, 1).named("A") | rsym.rectangle(2, 1).translate(1, 0).named("B")).findings
+    assert found.kind == "coincident faces"
+    assert "the face is one of A and B" in found.message
+    assert rsym.lint(SQUARES).clean
+
+
+def test_the_floor_of_one_box_on_the_lid_of_the_next_is_a_face_of_neither():
+    stack = rsym.rectangle(2, 1).named("below") | rsym.rectangle(2, 1).translate(0, 1).named("above")
+    hole = rsym.rectangle(1, 1).translate(0, 1).named("hole")
+    found = parts(stack - hole)
+    assert found == pytest.approx({"below": 4, "above": 3, "hole": 3}, rel=1e-11)
+
+
+def test_a_page_shows_each_part_by_a_leaf_of_its_own():
+    page = page_of(SQUARES)
+    assert '"leaves":["A","A","B","B"]' in page

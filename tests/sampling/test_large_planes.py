@@ -70,7 +70,7 @@ def test_signs_of_a_section_of_many_balls_are_those_of_the_value(balls, axis):
 
 
 def test_where_omega_is_undefined_signs_are_so_too(discs):
-    shape = discs[0] | rsym.Shape(sp.sqrt(x - 0.5) - 1, (x, y))
+    shape = (discs[0] | rsym.Shape(sp.sqrt(x - 0.5) - 1, (x, y))).replace(bounds=discs[0].box.ends)
     sampler = plane_sampler(shape, "value", resolution=40)
     assert sampler.large is not None
     signs = sampler.signs()
@@ -80,7 +80,7 @@ def test_where_omega_is_undefined_signs_are_so_too(discs):
 
 def test_the_boundary_of_many_discs_is_found_without_looking_at_all_of_them(discs, asked):
     shape, _, radii = discs
-    found = boundary(shape, shape.bounds, 64)
+    found = boundary(shape, shape.box.ends, 64)
     assert asked == [len(found.points)]
     assert found.closed
     assert len(found.lines) == len(radii)
@@ -109,6 +109,7 @@ def test_sections_of_many_balls_are_circles_and_compile_nothing(balls, monkeypat
 
 def test_sections_along_a_face_and_with_corners_are_those_of_kernels_of_all_leaves(balls, monkeypatch):
     shape = (balls[0] | rsym.Shape(0.13 - abs(x), (x, y, z))) & rsym.Shape(z - 0.25, (x, y, z))
+    shape = shape.replace(bounds=balls[0].box.ends)
     own = rsym.sections(shape, [0.25, 0.5], resolution=60)
     monkeypatch.setattr("rsym.sampling.plane_regions.backend_for", lambda form: "llvm")
     for one, other in zip(own, rsym.sections(shape, [0.25, 0.5], resolution=60), strict=True):

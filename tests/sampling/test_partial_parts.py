@@ -32,7 +32,7 @@ def test_the_measure_of_what_ends_with_its_domain():
     found = rsym.measure(Shape(sp.sqrt(9 - x**2) - y, (x, y), bounds=((-4, 4), (-1, 4))))
     assert_close(found.area, 4.5 * np.pi + 6, rtol=1e-9)
     assert found.area.error < 1e-6
-    assert_close(max(found.parts.values()), 3 * np.pi, rtol=1e-8)
+    assert_close(found.length, 3 * np.pi + 6, rtol=1e-8)  # with the cap below, without the ends of the domain
 
 
 @pytest.mark.parametrize("name", PARTIAL)
@@ -97,3 +97,50 @@ def test_verdicts_of_steps_and_beside_parts_without_a_value(expression, verdict)
     assert rsym.verify_smoothness(Shape(expression, (x, y), bounds=window)).verdict == verdict
     beside = rsym.disjunction(expression, sp.log(x - 3) - y)
     assert rsym.verify_smoothness(Shape(beside, (x, y), bounds=window)).verdict == verdict
+
+
+POLES = {
+    "reciprocal": (1 / x - y, 2),
+    "tangent": (sp.tan(x) - y, 3),
+    "quotient": ((x**2 + y**2 - 1) / x, 2),
+    "even": (1 / x**2 - y, 2),
+    "two": (1 / x + 1 / (x - 1) - y, 3),
+}
+
+
+@pytest.mark.parametrize("name", POLES)
+def test_a_pole_is_no_boundary(name):
+    expression, count = POLES[name]
+    lines = rsym.level_lines(Shape(expression, (x, y), bounds=((-4, 4), (-4, 4))), resolution=200)
+    assert len(lines) == count
+    assert (lines.status.kept, lines.status.unresolved_corners) == (0, 0)
+    value = rsym.compile(Shape(expression, (x, y)), ("value", "gradient"))(*np.concatenate(list(lines)).T)
+    distance = np.abs(value["value"]) / np.linalg.norm(value["gradient"], axis=1)
+    assert np.nanmax(distance) < 1e-12
+
+
+def test_the_measure_of_a_body_with_a_pole():
+    with pytest.warns(rsym.RsymWarning, match="at a pole"):
+        found = rsym.measure(Shape((x**2 + y**2 - 1) / x, (x, y)), bounds=((-2, 2), (-2, 2)))
+    assert_close(found.area, 8.0, rtol=1e-12)
+    assert_close(sum(length for name, length in found.parts.items() if "cap" not in name), 2 * np.pi, rtol=1e-12)
+
+
+@pytest.mark.parametrize("expression", [sp.floor(x) - y, sp.Mod(x, 1) - sp.Rational(1, 2)])
+def test_jumps_that_cannot_be_traced_are_refused(expression):
+    with pytest.raises(rsym.RsymError, match="cannot be traced") as refusal:
+        rsym.measure(Shape(expression, (x, y)), bounds=((-2, 2), (-2, 2)))
+    assert refusal.value.code == "jump"
+
+
+@pytest.mark.parametrize(
+    "step",
+    [
+        sp.Heaviside(1 - x**2 - y**2) - sp.Rational(1, 2),
+        2 * sp.Heaviside(1 - x**2 - y**2) - 1,
+        sp.Piecewise((1, sp.And(sp.Ne(x, sp.Rational(1, 2)), x**2 + y**2 < 1)), (-1, True)),
+    ],
+)
+def test_other_words_for_a_disc(step):
+    found = rsym.measure(Shape(step, (x, y)), bounds=((-2, 2), (-2, 2)))
+    assert_close([found.area, found.length], [np.pi, 2 * np.pi], rtol=1e-12)

@@ -28,7 +28,7 @@ def model(name):
 def points_of(shape):
     """Points in the bounds, along a line that no period of a model divides; their coordinates are rounded the same."""
     shares = np.modf(np.arange(1.0, POINTS + 1)[:, None] * np.sqrt([2.0, 3.0, 7.0])[: shape.dimension])[0]
-    low, high = np.array(shape.bounds).T
+    low, high = np.array(shape.box.ends).T
     return (low + (high - low) * shares).T
 
 

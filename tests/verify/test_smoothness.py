@@ -323,7 +323,7 @@ def test_bad_input_is_refused():
     with pytest.raises(RsymError, match="must be a pair"):
         rsym.verify_smoothness(shape, letters={"r": (1, 2, 3)})
     with pytest.raises(RsymError, match="bounds"):
-        rsym.verify_smoothness(Shape(DISC, (x, y)))
+        rsym.verify_smoothness(Shape(y, (x, y)))
     with pytest.raises(RsymError, match="expected a Shape"):
         rsym.verify_smoothness(DISC)
 

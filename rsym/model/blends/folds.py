@@ -35,12 +35,16 @@ class BlendOperation(Composition, ROperation):
         """The operation on two operands, in other nodes."""
         return self.conjunction_of(f, g) if self.sign < 0 else -self.conjunction_of(-f, -g)
 
+    def carried(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """What the operand after these two is blended with."""
+        return self.pair(f, g)
+
     def composition(self) -> sp.Expr:
         """The left fold."""
-        result, *rest = self.operands
+        head, *rest, last = self.operands
         for operand in rest:
-            result = self.pair(result, operand)
-        return result
+            head = self.carried(head, operand)
+        return self.pair(head, last)
 
     def gates(self, operands: Sequence[sp.Expr]) -> sp.Expr:
         """The same sign by min and max of operands and fillets; `operands` have the signs of the node's own."""
@@ -51,7 +55,7 @@ class BlendOperation(Composition, ROperation):
                 gate = self.conjunction_gates((value, operand), (gate, other))
             else:
                 gate = -self.conjunction_gates((-value, -operand), (-gate, -other))
-            value = self.pair(value, operand)
+            value = self.carried(value, operand)
         return gate
 
     def conjunction_gates(self, values: Pair, signs: Pair) -> sp.Expr:

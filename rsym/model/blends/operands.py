@@ -10,6 +10,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping
+from rsym.model.bounding import combined
 from rsym.model.equation import combine
 from rsym.model.letters import Letters, as_letters
 from rsym.model.shape import Shape
@@ -56,4 +57,4 @@ class Operands:
                 result = system.conjunction(f, g if operation == "intersection" else -g)
             return result if displacement is None else result + displacement(f, g, *rest)
 
-        return combine(function, *self.items)
+        return combine(function, *self.items, box=lambda boxes: combined(operation, exactly=False)(boxes[:2]))

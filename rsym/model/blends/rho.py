@@ -16,13 +16,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import combinations
+from typing import Any, ClassVar
 
 import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.blends.folds import BlendOperation, Pair, in_range, infix_index, where_legal
 from rsym.model.choices import Choice
+from rsym.model.nodes import expand_nodes, written_out
 from rsym.model.rnodes import R0Conjunction, R1Conjunction, R1Disjunction, RAlphaConjunction, ROperation
 from rsym.model.systems import RSystem
 
@@ -88,6 +90,7 @@ class Rho(RSystem):
     0.0
     """
 
+    keeps_sets: ClassVar[bool] = False
     radius: Any
     continuity: str = "G1"
     cosine: Any = 0
@@ -207,10 +210,54 @@ class CircularOperation(RhoOperation):
     """G1: inside the tube the normalised disc that touches both faces.
 
     Once continuously differentiable, second derivatives jump on `tube` = 0;
-    analytic elsewhere, f = g = 0 included.
+    analytic elsewhere, f = g = 0 included. Of three operands and more, the distance from the rounded edge of the first
+    is blended with the next: values inside the tube of the first edge are no distances, and corners would not be balls.
     """
 
     parameter_count = 2
+
+    def carried(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """The distance from the rounded edge: ball to the next operand, where the disc would be an egg."""
+        return self.rounded(f, g) if self.sign < 0 else -self.rounded(-f, -g)
+
+    def rounded(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
+        """Of distances the distance: rho - sqrt(u**2 + v**2 - 2*c*u*v)/sqrt(1 - c**2), u = rho - f and v = rho - g.
+
+        So where the nearest point lies on the fillet, u > c*v and v > c*u; elsewhere the smaller of f and g.
+        Associative for faces at right angles.
+        """
+        rho, cosine = self.parameters
+        u, v = rho - f, rho - g
+        square = ((u - cosine * v) ** 2 + (1 - cosine**2) * v**2) / (1 - cosine**2)
+        edge, faces = rho - sp.sqrt(square), R1Conjunction(f, g)
+        return Choice(u, cosine * v, Choice(v, cosine * u, edge, faces), faces)
+
+    def gates(self, operands: Sequence[sp.Expr]) -> sp.Expr:
+        """Every face and, for two and three of them that are near, the cylinder or the ball that touches them."""
+        (rho, cosine), lengths = self.parameters, [-self.sign * operand for operand in self.operands]
+        edged = len(lengths) > 2 or any(operand.has(sp.Abs) for operand in lengths)
+        if cosine != 0 or not edged or rho.free_symbols:
+            return super().gates(operands)
+        gates = [-self.sign * operand for operand in operands]
+        for count in (2, 3):
+            for chosen in combinations(lengths, count):
+                beyond = [f - rho for f in chosen]
+                touching = rho / 2 - sp.Add(*(u**2 for u in beyond)) / (2 * rho)
+                gates.append(R1Disjunction(*beyond, touching))
+        return -self.sign * R1Conjunction(*gates)
+
+    def as_roots(self) -> sp.Expr:
+        """The formula as books have it, of what is carried and the last operand."""
+        if len(self.operands) == 2:
+            return super().as_roots()
+        carried = self.carried(*self.operands[:2])
+        for operand in self.operands[2:-1]:
+            carried = self.carried(carried, operand)
+        return self.pair_as_roots(expand_nodes(written_out(carried)), self.operands[-1])
+
+    def numeric(self, arguments: list[sp.Float]) -> sp.Expr:
+        """The formula of numbers."""
+        return self.func(*arguments).composition().evalf(arguments[0]._prec // 3)
 
     def blended(self, f: sp.Expr, g: sp.Expr) -> sp.Expr:
         """Near the edge the disc, elsewhere sharp(f, g) - max(t - r, 0)**2/(2*t*(1 + c)), r = sqrt(T).

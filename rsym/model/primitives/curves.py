@@ -14,6 +14,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, unit_vector, whole
 from rsym.model.arguments import angle as in_radians
+from rsym.model.bounding import lines
 from rsym.model.equation import combine
 from rsym.model.operations import joining
 from rsym.model.primitives.curve_nodes import ArcField, CircleField, HelixField, SegmentField
@@ -166,7 +167,7 @@ def _segments(points: list[Point], edges: list[tuple[int, int]], order: Any, let
     once = {frozenset((points[a], points[b])): (a, b) for a, b in reversed(edges)}
     nodes = [SegmentField(*coordinates, *points[a], *points[b]) for a, b in reversed(once.values())]
     expression = joining(*nodes, order=order)
-    return Shape(expression, coordinates, letters=letters, bounds=box_around(places))
+    return Shape(expression, coordinates, letters=letters, box=box_around(places, solid=False))
 
 
 def space_curve(f: Any, g: Any, *, letters: LetterMapping = None) -> Shape:
@@ -202,7 +203,7 @@ def space_curve(f: Any, g: Any, *, letters: LetterMapping = None) -> Shape:
             code="coordinates",
             remedy="extrude or revolve it first; in the plane a curve is its own boundary",
         )
-    curve: Shape = combine(lambda first, second: sp.sqrt(first**2 + second**2), *surfaces)
+    curve: Shape = combine(lambda first, second: sp.sqrt(first**2 + second**2), *surfaces, box=lines)
     return curve
 
 
@@ -241,8 +242,8 @@ def helix(radius: Any = 1, pitch: Any = 1, turns: Any = None, *, letters: Letter
         return Shape(HelixField(x, y, z, *numbers), (x, y, z), letters=letters)
     numbers.append(positive(turns, "the number of turns", letters))
     reach, rise, count = (default(item, letters, "a helix") for item in numbers)
-    bounds = box_around([(-reach, -reach, 0.0), (reach, reach, rise * count)])
-    return Shape(HelixField(x, y, z, *numbers), (x, y, z), letters=letters, bounds=bounds)
+    box = box_around([(-reach, -reach, 0.0), (reach, reach, rise * count)], solid=False)
+    return Shape(HelixField(x, y, z, *numbers), (x, y, z), letters=letters, box=box)
 
 
 def circle(
@@ -381,4 +382,4 @@ def _on_circle(node: CircleField, start: float, end: float, letters: LetterMappi
     angles = [start, end, *(angle for angle in turns if angle < end)]
     axes = list(zip(centre, first, second, strict=True))
     points = [[c + radius * (a * math.cos(t) + b * math.sin(t)) for c, a, b in axes] for t in angles]
-    return Shape(node, node.vector(0), letters=letters, bounds=box_around(points))
+    return Shape(node, node.vector(0), letters=letters, box=box_around(points, solid=False))

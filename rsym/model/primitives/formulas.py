@@ -9,8 +9,9 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, number, positive, shown
+from rsym.model.bounding import BoundingBox
 from rsym.model.powers import absolute_power
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.model.vectors import minus, squared
 
 
@@ -28,8 +29,8 @@ def within(squared: sp.Expr, radius: sp.Expr, exact: bool = False) -> sp.Expr:
     return radius - sp.sqrt(squared) if exact else (radius**2 - squared) / (2 * radius)
 
 
-def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = None) -> sp.Expr:
-    """(b - s)*(s - a)/(b - a): positive between a and b, normalised to order 1.
+def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = None, exact: bool = False) -> sp.Expr:
+    """(b - s)*(s - a)/(b - a): positive between a and b, normalised to order 1; exact (b - a)/2 - |s - (a + b)/2|.
 
     Raises
     ------
@@ -50,6 +51,8 @@ def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = Non
             code="interval",
             remedy="exchange the two",
         )
+    if exact:
+        return (high - low) / 2 - sp.Abs(place - (low + high) / 2)
     return (high - place) * (place - low) / (high - low)
 
 
@@ -57,20 +60,20 @@ def between(place: sp.Expr, lower: Any, upper: Any, letters: LetterMapping = Non
 ROOM = 0.1
 
 
-def box_around(points: Iterable[Sequence[float]]) -> Bounds:
+def box_around(points: Iterable[Sequence[float]], *, solid: bool = True) -> BoundingBox:
     """The box that holds points, a tenth of its largest side wider everywhere.
 
     Examples
     --------
-    >>> box_around([(0, 0), (2, 1)])
+    >>> box_around([(0, 0), (2, 1)]).ends
     ((-0.2, 2.2), (-0.2, 1.2))
     """
     ends = [(min(axis), max(axis)) for axis in zip(*points, strict=True)]
     room = ROOM * max(high - low for low, high in ends)
-    return tuple((low - room, high + room) for low, high in ends)
+    return BoundingBox(tuple((low - room, high + room) for low, high in ends), solid=solid, known=True)
 
 
-def centred(centre: Point, halves: Point, letters: LetterMapping) -> Bounds:
+def centred(centre: Point, halves: Point, letters: LetterMapping) -> BoundingBox:
     """The same for centre -+ halves where letters have their defaults."""
     middle = [default(component, letters, "the centre") for component in centre]
     reach = [default(half, letters) for half in halves]
@@ -131,4 +134,4 @@ def superquadric(
         for ratio, axis in zip(ratios, axes, strict=True)
     )
     expression = normalised(function, sp.Add(*slopes), unit)
-    return Shape(expression, coordinates, letters=letters, bounds=centred(centre, axes, letters))
+    return Shape(expression, coordinates, letters=letters, box=centred(centre, axes, letters))

@@ -132,8 +132,8 @@ def helix_tube(
         return Shape(expression, SPACE, letters=letters)
     half = positive(turns, "the number of turns", letters) * pitch / 2
     reach, top = default(radius + tube, letters), default(half, letters)
-    bounds = box_around([(-reach, -reach, -top), (reach, reach, top)])
-    return Shape(system.conjunction(expression, within(z**2, half)), SPACE, letters=letters, bounds=bounds)
+    box = box_around([(-reach, -reach, -top), (reach, reach, top)])
+    return Shape(system.conjunction(expression, within(z**2, half)), SPACE, letters=letters, box=box)
 
 
 def _turned(rate: sp.Expr) -> tuple[sp.Expr, sp.Expr]:

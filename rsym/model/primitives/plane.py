@@ -114,7 +114,7 @@ def disc(radius: Any = 1, centre: Any = (0, 0), exact: bool = False, *, letters:
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 2, "the centre")
     expression = within(squared(minus(PLANE, centre)), radius, exact)
-    return Shape(expression, PLANE, letters=letters, bounds=centred(centre, (radius, radius), letters))
+    return Shape(expression, PLANE, letters=letters, box=centred(centre, (radius, radius), letters))
 
 
 def ellipse(
@@ -182,6 +182,8 @@ def rectangle(
 ) -> Shape:
     """The conjunction of two strips (a**2 - x**2)/(2 a), a half the side: width along x, height along y.
 
+    In `Rho`, which takes lengths, of a - |x|: its corners are circles of exactly that radius.
+
     Normalised to order 1 on the sides, in R_0. Analytic there except at the corners, where it is continuous.
 
     Raises
@@ -198,5 +200,7 @@ def rectangle(
     sides = (("width", width), ("height", height))
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 2, "the centre")
-    strips = (within(part**2, half) for half, part in zip(halves, minus(PLANE, centre), strict=True))
-    return Shape(system.conjunction(*strips), PLANE, letters=letters, bounds=centred(centre, halves, letters))
+    strips = (
+        within(part**2, half, not system.keeps_sets) for half, part in zip(halves, minus(PLANE, centre), strict=True)
+    )
+    return Shape(system.conjunction(*strips), PLANE, letters=letters, box=centred(centre, halves, letters))

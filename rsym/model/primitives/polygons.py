@@ -79,7 +79,7 @@ def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None)
         ) from None
     for first, second in shared:
         _check_aligned([corners[(edge + step) % len(corners)] for edge in (first, second) for step in (0, 1)])
-    return Shape(expression, PLANE, letters=letters, bounds=box_around(places))
+    return Shape(expression, PLANE, letters=letters, box=box_around(places))
 
 
 def regular_polygon(
@@ -112,8 +112,8 @@ def regular_polygon(
     edges = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
     ((right, above),), reach = _places([centre], letters), default(radius, letters)
     turns = [2 * math.pi * corner / count for corner in range(count)]
-    bounds = box_around([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
-    return Shape(system.conjunction(*edges), PLANE, letters=letters, bounds=bounds)
+    box = box_around([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
+    return Shape(system.conjunction(*edges), PLANE, letters=letters, box=box)
 
 
 def _corners(points: Any) -> list[Point]:

@@ -136,5 +136,5 @@ def torus(
         expression = normalised(4 * major**2 * round_axis - level**2, slope, minor)
     else:
         expression = within((sp.sqrt(round_axis) - major) ** 2 + up**2, minor, form == "exact")
-    bounds = centred(centre, (major + minor, major + minor, minor), letters)
-    return Shape(expression, SPACE, letters=letters, bounds=bounds)
+    box = centred(centre, (major + minor, major + minor, minor), letters)
+    return Shape(expression, SPACE, letters=letters, box=box)

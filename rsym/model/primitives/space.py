@@ -13,9 +13,10 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, Point, default, number, point, positive, unit_vector
 from rsym.model.arguments import angle as in_radians
+from rsym.model.bounding import BoundingBox
 from rsym.model.powers import signed_power
 from rsym.model.primitives.formulas import between, box_around, centred, within
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.model.symbols import SPACE
 from rsym.model.systems import R0, RSystem
 from rsym.model.vectors import cross, dot, minus, norm, squared
@@ -83,7 +84,7 @@ def sphere(radius: Any = 1, centre: Any = (0, 0, 0), exact: bool = False, *, let
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 3, "the centre")
     expression = within(squared(minus(SPACE, centre)), radius, exact)
-    return Shape(expression, SPACE, letters=letters, bounds=centred(centre, (radius,) * 3, letters))
+    return Shape(expression, SPACE, letters=letters, box=centred(centre, (radius,) * 3, letters))
 
 
 def box(
@@ -98,7 +99,7 @@ def box(
     """The conjunction of three slabs (a**2 - x**2)/(2 a), a half the side: width along x, depth y, height z.
 
     Normalised to order 1 on the faces, in R_0. Analytic there except on the lines through edges, where it is
-    continuous.
+    continuous. In `Rho`, which takes lengths, of a - |x|: edges are cylinders and corners balls of exactly that radius.
 
     Raises
     ------
@@ -114,8 +115,10 @@ def box(
     sides = (("width", width), ("depth", depth), ("height", height))
     halves = tuple(positive(side, f"the {name}", letters) / 2 for name, side in sides)
     centre = point(centre, 3, "the centre")
-    slabs = (within(part**2, half) for half, part in zip(halves, minus(SPACE, centre), strict=True))
-    return Shape(system.conjunction(*slabs), SPACE, letters=letters, bounds=centred(centre, halves, letters))
+    slabs = (
+        within(part**2, half, not system.keeps_sets) for half, part in zip(halves, minus(SPACE, centre), strict=True)
+    )
+    return Shape(system.conjunction(*slabs), SPACE, letters=letters, box=centred(centre, halves, letters))
 
 
 def cylinder(
@@ -129,7 +132,7 @@ def cylinder(
     """(R**2 - rho**2)/(2 R), rho the distance from the axis, parallel to z; cut by a slab where there is a height.
 
     Normalised to order 1 on the mantle and the ends, in R_0. Analytic there, axis included, except on the rims, where
-    it is continuous. Without a height it is infinite and has no bounds.
+    it is continuous. In `Rho`, which takes lengths, of R - rho and a - |z|. Without a height it is infinite.
 
     Raises
     ------
@@ -147,12 +150,14 @@ def cylinder(
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 3, "the centre")
     across, up, along = minus(SPACE, centre)
-    mantle = within(across**2 + up**2, radius)
+    mantle = within(across**2 + up**2, radius, height is not None and not system.keeps_sets)
     if height is None:
         return Shape(mantle, SPACE, letters=letters)
     half = positive(height, "the height", letters) / 2
-    bounds = centred(centre, (radius, radius, half), letters)
-    return Shape(system.conjunction(mantle, within(along**2, half)), SPACE, letters=letters, bounds=bounds)
+    box = centred(centre, (radius, radius, half), letters)
+    return Shape(
+        system.conjunction(mantle, within(along**2, half, not system.keeps_sets)), SPACE, letters=letters, box=box
+    )
 
 
 def capsule(
@@ -191,8 +196,8 @@ def capsule(
     along = dot(unit, away)
     square = squared(cross(unit, away)) + _beyond(along - half) + _beyond(-along - half)
     reach, ends = default(radius, letters), [[default(part, letters) for part in tip] for tip in (start, end)]
-    bounds = box_around([[part + side * reach for part in tip] for tip in ends for side in (-1, 1)])
-    return Shape(within(square, radius, exact), SPACE, letters=letters, bounds=bounds)
+    box = box_around([[part + side * reach for part in tip] for tip in ends for side in (-1, 1)])
+    return Shape(within(square, radius, exact), SPACE, letters=letters, box=box)
 
 
 def _beyond(excess: sp.Expr) -> sp.Expr:
@@ -223,8 +228,8 @@ def cone(
     base = point(base, 3, "the base")
     rho, up = _meridian(base)
     mantle = _mantle(radius, sp.S.Zero, height, rho, up)
-    bounds = _bounds(base, radius, height, letters)
-    return Shape(system.conjunction(mantle, up), SPACE, letters=letters, bounds=bounds)
+    box = _box(base, radius, height, letters)
+    return Shape(system.conjunction(mantle, up), SPACE, letters=letters, box=box)
 
 
 def frustum(
@@ -258,8 +263,13 @@ def frustum(
     rho, up = _meridian(base)
     mantle = _mantle(bottom, top, height, rho, up)
     widest = max(bottom, top, key=lambda radius: default(radius, letters))
-    bounds = _bounds(base, widest, height, letters)
-    return Shape(system.conjunction(mantle, between(up, 0, height, letters)), SPACE, letters=letters, bounds=bounds)
+    box = _box(base, widest, height, letters)
+    return Shape(
+        system.conjunction(mantle, between(up, 0, height, letters, not system.keeps_sets)),
+        SPACE,
+        letters=letters,
+        box=box,
+    )
 
 
 def nappe(
@@ -336,7 +346,7 @@ def _half_angle(angle: Any, degrees: bool, letters: LetterMapping) -> sp.Expr:
     return angle
 
 
-def _bounds(base: Point, radius: sp.Expr, height: sp.Expr, letters: LetterMapping) -> Bounds:
+def _box(base: Point, radius: sp.Expr, height: sp.Expr, letters: LetterMapping) -> BoundingBox:
     a, b, c = (default(part, letters, "the base") for part in base)
     r, h = default(radius, letters), default(height, letters)
     return box_around([(a - r, b - r, c), (a + r, b + r, c + h)])

@@ -14,7 +14,7 @@ from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symmetry.evenness import check_even
-from rsym.model.symmetry.reflections import farthest, turned_bounds, turned_coordinates, within_half_a_sector
+from rsym.model.symmetry.reflections import farthest, turned_box, turned_coordinates, within_half_a_sector
 from rsym.model.symmetry.waves import SawtoothWave, triangle_wave
 
 MOTIFS = ("even", "any")
@@ -97,7 +97,7 @@ def cyclic(
         shape,
         {first: outwards - outset, second: across},
         letters=letters,
-        bounds=turned_bounds(shape, (first, second), reach),
+        box=turned_box(shape, (first, second), reach),
     )
 
 

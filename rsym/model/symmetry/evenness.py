@@ -84,7 +84,7 @@ def _refusal(
 
 def _places(shape: Shape, number: int) -> Iterator[dict[sp.Symbol, sp.Float]]:
     """Spread evenly over the box and, from the second half on, over values of the letters."""
-    box = shape.bounds or ((-UNBOUNDED, UNBOUNDED),) * shape.dimension
+    box = shape.box.ends if shape.box else ((-UNBOUNDED, UNBOUNDED),) * shape.dimension
     count = shape.dimension + len(shape.letters)
     root = 2.0  # of root**(count + 1) = root + 1; its powers spread best
     for _ in range(60):

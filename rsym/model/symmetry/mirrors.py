@@ -9,13 +9,14 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, point, unit_vector, whole
+from rsym.model.bounding import Bounds
 from rsym.model.equation import substituted
 from rsym.model.motions import axis_vector
 from rsym.model.nodes import Held
 from rsym.model.requirements import require_shape
-from rsym.model.shape import Bounds, Shape
-from rsym.model.symbols import rebuild
-from rsym.model.symmetry.reflections import folded, turned_bounds, turned_coordinates, within_half_a_sector
+from rsym.model.shape import Shape
+from rsym.model.symbols import rebuild, symbols_of
+from rsym.model.symmetry.reflections import folded, turned_box, turned_coordinates, within_half_a_sector
 from rsym.model.vectors import Vector, dot
 
 _GOLDEN = (1 + sp.sqrt(5)) / 2
@@ -65,8 +66,9 @@ def mirrored(shape: Shape, normal: Any = None, distance: Any = 0, *, letters: Le
     beyond = sp.Abs(depth, evaluate=depth.is_Symbol) - depth
     places = {symbol: symbol + beyond * component for symbol, component in zip(shape.coordinates, n, strict=True)}
     unit = [default(component, known, "the normal") for component in n]
-    bounds = _reflected(shape.bounds, unit, default(d, known, "the distance"))
-    return substituted(shape, places, letters=letters, bounds=bounds)
+    away = default(d, known, "the distance")
+    box = shape.box and shape.box.mapped(lambda ends: _reflected(ends, unit, away), stated=not symbols_of(d, *n))
+    return substituted(shape, places, letters=letters, box=box)
 
 
 def kaleidoscope(shape: Shape, order: Any, *, axis: Any = None) -> Shape:
@@ -105,8 +107,7 @@ def kaleidoscope(shape: Shape, order: Any, *, axis: Any = None) -> Shape:
     n = whole(order, "the order", 2)
     first, second = turned_coordinates(shape, axis)
     places = dict(zip((first, second), within_half_a_sector(first, second, n), strict=True))
-    bounds = turned_bounds(shape, (first, second))
-    return substituted(shape, places, bounds=bounds)
+    return substituted(shape, places, box=turned_box(shape, (first, second)))
 
 
 def mirror_group(shape: Shape, group: Any) -> Shape:
@@ -147,7 +148,7 @@ def mirror_group(shape: Shape, group: Any) -> Shape:
     require_shape(shape)
     normals = _normals(group, shape.dimension)
     places = dict(zip(shape.coordinates, folded(normals, shape.coordinates), strict=True))
-    return substituted(shape, places, bounds=turned_bounds(shape, shape.coordinates))
+    return substituted(shape, places, box=turned_box(shape, shape.coordinates))
 
 
 def _normals(group: Any, dimension: int) -> list[Vector]:
@@ -169,10 +170,8 @@ def _short(component: sp.Expr) -> sp.Expr:
     return sp.Rational(sp.N(exact, 40)) if exact.has(sp.Function) else exact
 
 
-def _reflected(bounds: Bounds | None, normal: Sequence[float], distance: float) -> Bounds | None:
+def _reflected(bounds: Bounds, normal: Sequence[float], distance: float) -> Bounds:
     """The box around the old one and the image of what it has on the side of the normal."""
-    if bounds is None:
-        return None
     corners: list[tuple[float, ...]] = [()]
     for pair in bounds:
         corners = [(*corner, end) for corner in corners for end in pair]

@@ -23,6 +23,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import coordinate
+from rsym.model.bounding import BoundingBox
 from rsym.model.shape import Bounds, Shape
 from rsym.model.systems import R1
 from rsym.model.vectors import Vector, dot
@@ -45,23 +46,25 @@ def turned_coordinates(shape: Shape, axis: Any) -> tuple[sp.Symbol, sp.Symbol]:
     return shape.coordinates[(position + 1) % 3], shape.coordinates[(position + 2) % 3]
 
 
-def turned_bounds(shape: Shape, turning: Sequence[sp.Symbol], radius: float = 0.0) -> Bounds | None:
+def turned_box(shape: Shape, turning: Sequence[sp.Symbol], radius: float = 0.0) -> BoundingBox | None:
     """The box that holds the old one, moved out by a radius along the first of these coordinates, however it turns.
 
     Examples
     --------
     >>> import rsym
     >>> from rsym import x, y
-    >>> turned_bounds(rsym.Shape(x, (x, y), bounds=((-1, 2), (-4, 0))), (x, y), 1)
+    >>> turned_box(rsym.Shape(x, (x, y), bounds=((-1, 2), (-4, 0))), (x, y), 1).ends
     ((-5.0, 5.0), (-5.0, 5.0))
     """
-    if shape.bounds is None:
-        return None
-    box: Mapping[sp.Symbol, tuple[float, float]] = dict(zip(shape.coordinates, shape.bounds, strict=True))
-    (low, high), *others = (box[symbol] for symbol in turning)
-    moved = ((low + radius, high + radius), *others)
-    reach = math.hypot(*(max(map(abs, ends)) for ends in moved))
-    return tuple((-reach, reach) if symbol in turning else box[symbol] for symbol in shape.coordinates)
+
+    def turned(ends: Bounds) -> Bounds:
+        box: Mapping[sp.Symbol, tuple[float, float]] = dict(zip(shape.coordinates, ends, strict=True))
+        (low, high), *others = (box[symbol] for symbol in turning)
+        moved = ((low + radius, high + radius), *others)
+        reach = math.hypot(*(max(map(abs, pair)) for pair in moved))
+        return tuple((-reach, reach) if symbol in turning else box[symbol] for symbol in shape.coordinates)
+
+    return shape.box and shape.box.mapped(turned)
 
 
 MOST_IMAGES = 240  # of a weight; 120 have the largest group in space, H3

@@ -9,9 +9,10 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, coordinate, default, positive, whole
+from rsym.model.bounding import BoundingBox, Bounds
 from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
-from rsym.model.shape import Bounds, Shape
+from rsym.model.shape import Shape
 from rsym.model.symbols import x
 from rsym.model.symmetry.cyclic import checked_motif
 from rsym.model.symmetry.evenness import check_even
@@ -81,8 +82,8 @@ def row(
         wave = triangle_wave(along, period, terms) if even else SawtoothWave(along, period)
     else:
         wave = _finite(along, period, whole(count, "the count", 1), terms, even)
-    bounds = None if count is None else _lengthened(shape, along, (count - 1) * default(period, known))
-    return substituted(shape, {along: wave}, letters=letters, bounds=bounds)
+    box = None if count is None else _lengthened(shape, along, (count - 1) * default(period, known))
+    return substituted(shape, {along: wave}, letters=letters, box=box)
 
 
 def grid(
@@ -147,8 +148,9 @@ def _finite(place: sp.Symbol, period: sp.Expr, cells: int, terms: Any, even: boo
     return (TriangleRow if even else SawtoothRow)(place, period, sp.Integer(cells))
 
 
-def _lengthened(shape: Shape, along: sp.Symbol, length: float) -> Bounds | None:
-    if shape.bounds is None:
-        return None
-    pairs = zip(shape.coordinates, shape.bounds, strict=True)
-    return tuple((low, high + length) if symbol == along else (low, high) for symbol, (low, high) in pairs)
+def _lengthened(shape: Shape, along: sp.Symbol, length: float) -> BoundingBox | None:
+    def longer(ends: Bounds) -> Bounds:
+        pairs = zip(shape.coordinates, ends, strict=True)
+        return tuple((low, high + length) if symbol == along else (low, high) for symbol, (low, high) in pairs)
+
+    return shape.box and shape.box.mapped(longer)

@@ -16,7 +16,7 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, x, y, z
 from rsym.model.symmetry.cyclic import checked_motif, cyclic
 from rsym.model.symmetry.evenness import check_even
-from rsym.model.symmetry.reflections import turned_bounds, turned_coordinates
+from rsym.model.symmetry.reflections import turned_box, turned_coordinates
 from rsym.model.systems import R0, RSystem
 
 
@@ -71,7 +71,7 @@ def screw(shape: Shape, pitch: Any, *, starts: Any = 1, axis: Any = None, letter
         places,
         coordinates=(*shape.coordinates, along) if in_plane else shape.coordinates,
         letters=letters,
-        bounds=None if in_plane else turned_bounds(shape, (first, second)),
+        box=None if in_plane else turned_box(shape, (first, second)),
     )
 
 
@@ -189,8 +189,8 @@ def coil(
     climb = z - height
     window = Scaled((length / 2) ** 2 - climb**2, 2 * sp.pi * distance / (h * length))
     reach, top = (default(item, letters) for item in (big + r, r / cosine + length / 2))
-    bounds = box_around([(-reach, -reach, -top), (reach, reach, top)])
-    return endless.replace(expression=system.conjunction(endless.expression, window), bounds=bounds)
+    box = box_around([(-reach, -reach, -top), (reach, reach, top)])
+    return Shape(system.conjunction(endless.expression, window), endless.coordinates, letters=endless.letters, box=box)
 
 
 def _helical(radius: sp.Expr, pitch: sp.Expr) -> tuple[sp.Expr, sp.Expr, sp.Expr]:

@@ -26,6 +26,7 @@ from matplotlib.figure import Figure
 from rsym.atomic import write_atomically
 from rsym.errors import RsymWarning
 from rsym.logic.leaf_names import leaf_names
+from rsym.logic.separation import separated
 from rsym.logic.sign_form import SignForm, shape_form
 from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Bounds, Shape
@@ -43,7 +44,7 @@ from rsym.program.program import live
 from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
-from rsym.sampling.ray_steps import CROSSING, PATIENCE, SHORTEST
+from rsym.sampling.ray_steps import PAGE_CROSSING, PAGE_SHORTEST, PATIENCE
 
 # Of a formula that is drawn. Unions of balls of 308, 583, 862 and 1077 operations take 2.5, 7, 7 and 13 s to their
 # first picture without a graphics processor, and compile in nearly all of it.
@@ -123,8 +124,9 @@ def page_of(
     """
     require_shape(shape)
     source, title = source or Source(), title or "shape"
-    box, form = bounds_or_extent(shape, bounds), shape_form(shape)
-    names = leaf_names(form, shape)
+    box, apart = bounds_or_extent(shape, bounds), separated(shape)  # a leaf of two parts is two, each with its colour
+    form = shape_form(apart)
+    names = leaf_names(form, apart)
     if shape.dimension == 2:
         picture = _of_plane(shape, form, box)
     elif operations_of(form) <= MOST_OPERATIONS:
@@ -138,7 +140,7 @@ def page_of(
         "coordinates": [symbol.name for symbol in shape.coordinates],
         "bounds": [[float(end) for end in side] for side in box],
         "leaves": list(names),
-        "parts": _parts(form, names, shape),
+        "parts": _parts(form, names, apart),
         "served": served,
         "python": source.python,
         "services": _services(shape, source, title),
@@ -174,7 +176,7 @@ def _of_space(shape: Shape, form: SignForm, box: Bounds) -> _Picture:
         body = mesh(shape, CELLS, bounds=box)
     head, rays = _text("head.glsl"), _text("rays.glsl")
     own = head + texts.uniforms.declaration + rays
-    steps = f"const float CROSSING = {CROSSING}, SHORTEST = {SHORTEST}, PATIENCE = {PATIENCE};\n"
+    steps = f"const float CROSSING = {PAGE_CROSSING}, SHORTEST = {PAGE_SHORTEST}, PATIENCE = {PATIENCE};\n"
     shaders = {
         "trace": f"{own}{steps}{texts.point}\n{texts.model}\n{_text('trace.glsl')}",
         "surface": f"{own}{texts.leaf}\n{_text('surface.glsl')}",

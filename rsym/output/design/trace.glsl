@@ -7,7 +7,7 @@ uniform int tile, limit;     // pixels along a square whose beam is known, or 0;
 uniform sampler2D beams;
 out vec4 found;              // distance, leaf or a code, steps
 
-// The march is that of rsym/sampling/kernels/march_code.py; CROSSING, SHORTEST and PATIENCE are those of ray_steps.py.
+// The march is that of rsym/sampling/kernels/march_code.py; CROSSING, SHORTEST and PATIENCE are those of a page in ray_steps.py.
 
 // The smallest w >= 0 at which end + linear (w - 1) + quadratic ((w - 1)^2 - 1) is 0; beyond 2 if there is none.
 float first_root(float end, float linear, float quadratic) {

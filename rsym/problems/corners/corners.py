@@ -20,7 +20,7 @@ from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
 from rsym.problems.corners.leaf_jets import StraightEdge, leaf_jets
 from rsym.problems.corners.reaches import Tips, reaches
 from rsym.problems.corners.sectors import Sector, sectors
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.form_signs import Boxes
 
 STRAIGHT = 1e-6  # radians: what turns less is no corner
@@ -243,8 +243,7 @@ def _with_reaches(
 
 def _box(shape: Shape, letters: Mapping[Any, float] | None, bounds: Any) -> Boxes:
     """Where to look."""
-    chosen = shape.replace(bounds=bounds).bounds if bounds is not None else shape.bounds
-    low, high = np.array(extent(shape, letters) if chosen is None else chosen, float).T[:, :, None]
+    low, high = np.array(bounds_or_extent(shape, bounds, letters), float).T[:, :, None]
     return Boxes(low - WIDER * (high - low), high + WIDER * (high - low))
 
 

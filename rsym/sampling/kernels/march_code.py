@@ -20,12 +20,23 @@ from rsym.sampling.kernels.ray_code import NAMED, STRUCT, RayFormulas
 from rsym.sampling.kernels.ray_state import GONE, LOST, MARCHING, MET, Row, get, least, most, put, turns
 from rsym.sampling.kernels.routines import DOUBLES, LANES, SHORTS, Routine
 from rsym.sampling.kernels.table_code import gradient_at
-from rsym.sampling.ray_steps import CROSSING, MOST_STEPS, PATIENCE, SHORTEST, TOO_OFTEN
+from rsym.sampling.ray_steps import (
+    CROSSING,
+    HALVINGS,
+    LONGER,
+    MOST_STEPS,
+    NARROWER,
+    PATIENCE,
+    ROUNDED_AWAY,
+    SETTLED,
+    SHORTEST,
+    TOO_OFTEN,
+)
 
 ROUNDED = 2.0**-51  # of the terms of a point on a ray
-# Rounds of Newton's method on the active leaf, and steps in each: where the leaf changes between the ends of a bracket,
-# which is a quarter of a pixel, the next round takes the other one.
-ROUNDS, STEPS = 4, 5
+# Rounds of Newton's method on the active leaf, and steps in each: where the leaf changes between the ends of a bracket
+# the next round takes the other one. Before the last one what has not come to a root is halved, by signs.
+ROUNDS, STEPS = 5, 5
 BLOCK = ("state", "constants", "limits", "words")  # the first parameters of what works on eight rays
 
 
@@ -104,7 +115,8 @@ def march(s: RayFormulas) -> Routine:
         size = pixel + growth * abs(t)
         failed = get(r, Row.FAILED)
         doublings = (failed * (1.0 / PATIENCE) - 0.5).rounded
-        shortest = size * SHORTEST * most(least(doublings, r.number(60.0)), r.number(0.0)).power_of_two
+        shortest = most(size * SHORTEST, _rounding(r, t))
+        shortest = shortest * most(least(doublings, r.number(60.0)), r.number(0.0)).power_of_two
         certain = lower.compare("ole", 2.0)
         crosses = certain & (width < size * CROSSING)
         short = step.compare("ole", shortest * 1.01)
@@ -116,16 +128,23 @@ def march(s: RayFormulas) -> Routine:
             end = crosses.choose(begin + width, t + step)
             value, leaf = form_at(s, r, end, among(words, narrow))
             # Enclosures know better than a value whose sign is rounded; what is undefined is not inside.
-            inside = crosses.choose(value + size * 0.01, value) > 0.0
+            inside = (crosses & value.compare("ord", value)) | (value > 0.0)
             met = narrow & inside
             failing = narrow & (inside ^ 1)
             put(r, Row.STATUS, met.choose(MET, status))
             put(r, Row.LOW, met.choose(begin, get(r, Row.LOW)))
             put(r, Row.HIGH, met.choose(end, get(r, Row.HIGH)))
             put(r, Row.LEAF, met.choose(leaf, get(r, Row.LEAF)))
-            put(r, Row.T, failing.choose(most(end, begin + shortest), get(r, Row.T)))
+            put(r, Row.T, failing.choose(crosses.choose(most(end, begin + shortest), end), get(r, Row.T)))
             put(r, Row.STEP, failing.choose(shortest, get(r, Row.STEP)))
             put(r, Row.FAILED, failing.choose(failed + 1.0, failed))
+            # Between two points outside of the body there may be a wall of it that is thinner than their distance. Of
+            # that the range is small; a range that is the same on longer segments is a jump, or rounding.
+            jumped = failing & (crosses ^ 1)
+            with r.where(jumped):
+                wide = model_on(s, r, t, shortest * LONGER, among(words, jumped))
+                shrinks = _width(low, high, linear, quadratic) * NARROWER < _width(*wide)
+                put(r, Row.DOUBT, (jumped & shrinks).choose(least(t, get(r, Row.DOUBT)), get(r, Row.DOUBT)))
         status = get(r, Row.STATUS)
         gone = status.compare("oeq", MARCHING) & get(r, Row.T).compare("oge", stop)
         put(r, Row.STATUS, gone.choose(GONE, status))
@@ -135,9 +154,23 @@ def march(s: RayFormulas) -> Routine:
     return r
 
 
+def _width(low: Value, high: Value, linear: Value, quadratic: Value) -> Value:
+    """How far apart two values of a model may be."""
+    return high - low + (abs(linear) + abs(quadratic)) * 2.0
+
+
+def _rounding(r: Routine, t: Value) -> Value:
+    """How close two points of a ray near t can be for their difference to say anything."""
+    size = abs(t)
+    for axis in range(3):
+        size = size + abs(get(r, Row.ORIGIN + axis))
+    return size * ROUNDED_AWAY
+
+
 def settle(s: RayFormulas) -> Routine:
     """The root on the active leaf within the bracket of each ray, and the normal there."""
-    r = Routine("settle", dict.fromkeys(BLOCK, "ptr") | {"planes": "ptr", "cuts": "i64"}, internal=True)
+    camera = {"planes": "ptr", "cuts": "i64", "pixel": "double", "growth": "double"}
+    r = Routine("settle", dict.fromkeys(BLOCK, "ptr") | camera, internal=True)
     todo = r.emit(f"alloca i{LANES}, align 8")
     status, tolerance = get(r, Row.STATUS), r.element("%constants", s.tolerance)
     lost, met = status.compare("oeq", LOST), status.compare("oeq", MET)
@@ -157,18 +190,38 @@ def settle(s: RayFormulas) -> Routine:
         for row in (Row.T, Row.LOW, Row.HIGH):
             put(r, row, pinned.choose(at, get(r, row)))
         put(r, Row.LEAF, pinned.choose(capped.choose(entry, leaf), get(r, Row.LEAF)))
-    put(r, Row.DOUBT, (lost | (get(r, Row.FAILED) > TOO_OFTEN)).choose(1.0, r.number(0.0)))
+    # What may have been a wall right before the surface was the surface.
+    pixel, growth = (r.value(r.splat(name)) for name in ("%pixel", "%growth"))
+    passed, high = get(r, Row.DOUBT), get(r, Row.HIGH)
+    room = most((pixel + growth * abs(high)) * SHORTEST, _rounding(r, high)) * LONGER
+    wall = (passed < float("inf")) & ((met & ((high - passed) < room)) ^ 1)
+    put(r, Row.DOUBT, (lost | wall | (get(r, Row.FAILED) > TOO_OFTEN)).choose(1.0, r.number(0.0)))
     put(r, Row.FAILED, get(r, Row.LEAF))
+    put(r, Row.MOVED, r.number(float("inf")))
     with r.loop("0", f"{ROUNDS}", 1, lambda: _open(s, r)) as turn:
+        ended = r.value(r.splat(r.emit(f"icmp eq i64 {turn}, {ROUNDS - 1}"), "i1"), "i1")
+        with r.where(_open(s, r) & ended), r.loop("0", f"{HALVINGS}", 1):
+            halved = _open(s, r) & ended
+            middle = (get(r, Row.LOW) + get(r, Row.HIGH)) * 0.5
+            value, leaf = form_at(s, r, middle, words)
+            inside = value > 0.0
+            put(r, Row.HIGH, (halved & inside).choose(middle, get(r, Row.HIGH)))
+            put(r, Row.LOW, (halved & (inside ^ 1)).choose(middle, get(r, Row.LOW)))
+            # The number of the leaf stands twice, for it is still to be followed.
+            put(r, Row.FAILED, (halved & inside).choose(leaf, get(r, Row.FAILED)))
+            put(r, Row.LEAF, (halved & inside).choose(leaf, get(r, Row.LEAF)))
+            put(r, Row.T, halved.choose(get(r, Row.HIGH), get(r, Row.T)))
         r.store(r.mask(_open(s, r).name), todo, 0, f"i{LANES}")
         _by_leaf(s, r, todo)
         value, leaf = form_at(s, r, get(r, Row.T), words)
-        ended = r.value(r.splat(r.emit(f"icmp eq i64 {turn}, {ROUNDS - 1}"), "i1"), "i1")
-        mine = _open(s, r)
-        other = mine & leaf.compare("one", get(r, Row.LEAF)) & (ended ^ 1)
+        mine, t = _open(s, r), get(r, Row.T)
+        same = leaf.compare("oeq", get(r, Row.LEAF))
+        near = get(r, Row.MOVED).compare("ole", most((pixel + growth * abs(t)) * SETTLED, _rounding(r, t)))
+        other = mine & ((same & near) ^ 1) & (ended ^ 1)
         inside = value > 0.0
-        put(r, Row.HIGH, (other & inside).choose(get(r, Row.T), get(r, Row.HIGH)))
-        put(r, Row.LOW, (other & (inside ^ 1)).choose(get(r, Row.T), get(r, Row.LOW)))
+        put(r, Row.HIGH, (other & inside).choose(t, get(r, Row.HIGH)))
+        put(r, Row.LOW, (other & (inside ^ 1)).choose(t, get(r, Row.LOW)))
+        put(r, Row.T, (other & same).choose((get(r, Row.LOW) + get(r, Row.HIGH)) * 0.5, t))
         put(r, Row.LEAF, other.choose(leaf, get(r, Row.LEAF)))
         put(r, Row.FAILED, mine.choose(other.choose(leaf, -1.0), get(r, Row.FAILED)))
     _normals(s, r)
@@ -213,6 +266,7 @@ def _newton(r: Routine, gradient_of: Callable[[Sequence[str]], list[str]], mine:
         within = least(most(moved, get(r, Row.LOW)), get(r, Row.HIGH))
         known = mine & moved.compare("ord", moved)
         put(r, Row.T, known.choose(within, t))
+        put(r, Row.MOVED, mine.choose(abs(moved - t), get(r, Row.MOVED)))
         for axis, part in enumerate(gradient):
             put(r, Row.NORMAL + axis, mine.choose(part, get(r, Row.NORMAL + axis)))
 
@@ -255,6 +309,7 @@ def clip(s: RayFormulas) -> Routine:
         put(r, Row.STOP, beside.choose(float("-inf"), get(r, Row.STOP)))
     put(r, Row.START, get(r, Row.T))
     put(r, Row.FAILED, r.number(0.0))
+    put(r, Row.DOUBT, r.number(float("inf")))
     put(r, Row.STATUS, (get(r, Row.T) < get(r, Row.STOP)).choose(MARCHING, r.number(GONE)))
     r.do("ret void")
     return r

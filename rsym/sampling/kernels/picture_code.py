@@ -70,7 +70,7 @@ class Picture(Routine):
         """Cast the rays that are made."""
         given = f"ptr %state, ptr %constants, ptr {limits}, ptr {words}"
         self.do(f"call void @march({given}, double {pixel}, double {growth})")
-        self.do(f"call void @settle({given}, ptr %planes, i64 %cuts)")
+        self.do(f"call void @settle({given}, ptr %planes, i64 %cuts, double {pixel}, double {growth})")
 
 
 def _started(name: str, parameters: dict[str, str]) -> Picture:

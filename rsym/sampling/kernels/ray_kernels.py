@@ -183,7 +183,7 @@ class RayKernels:
         outputs = [np.broadcast_to(values[number], SCALE_POINTS) for _, number in program.outputs]
         for k in range(s.count):
             with np.errstate(all="ignore"):
-                steepness = np.sqrt(sum(part * part for part in outputs[4 * k + 1 : 4 * k + 4]))
+                steepness = _lengths(np.array(outputs[4 * k + 1 : 4 * k + 4]))
                 known = steepness[np.isfinite(steepness) & (steepness > 0)]
             array[s.scales + k] = 1 / np.median(known) if known.size else 1.0
         array[s.tolerance] = ALIKE * np.linalg.norm([high - low for low, high in bounds])
@@ -310,6 +310,12 @@ class RayKernels:
 
     def _call(self, name: str, *arguments: Any) -> None:
         self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
+
+
+def _lengths(vectors: Floats) -> Floats:
+    """The lengths (n,) of vectors (3, n), whose squares may be no numbers."""
+    _, exponent = np.frexp(np.abs(vectors).max(axis=0))
+    return np.asarray(np.ldexp(np.sqrt(sum(part * part for part in np.ldexp(vectors, -exponent))), exponent))
 
 
 def _camera(pencil: Pencil, near: float, far: float, planes: Floats, tile: int) -> Floats:

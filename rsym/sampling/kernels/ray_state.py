@@ -26,10 +26,11 @@ class Row(IntEnum):
     ENTRY = 14  # the leaf by which the ray comes into the bounds, -1 without one
     NORMAL = 15
     FAILED = 18  # points in vain; then the leaf that is followed, -1 when it has been found
-    DOUBT = 19  # 1 where what is said is not certain
+    DOUBT = 19  # where a wall may first have been passed; then 1 where what is said is not certain
+    MOVED = 20  # how far the last step of Newton's method went
 
 
-ROWS = 20
+ROWS = 21
 GONE, MARCHING, MET, LOST = -1.0, 0.0, 1.0, 2.0
 
 

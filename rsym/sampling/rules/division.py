@@ -26,6 +26,7 @@ FLAT_SCORE = 0.3  # of an axis along which a leaf does not change: better than a
 GRADED = 28  # levels of division towards a given point
 SMALL = 40.0  # binary digits: cells nearer to a point than so small a share of an integral are not divided
 SLOPE = 0.25  # points of a rule less, from a cell to one of half the side, where integrals fall with its side
+LEAST = 3  # points of rules on small parts
 FEWEST = 2  # points along each direction of the smallest cells
 
 
@@ -67,6 +68,8 @@ class Grading:
 
     exponents : (k,), the integral over a disc about a point is as large as this power of its radius: where it is small
         cells are divided less often, and have rules of fewer points. With 0 nothing is known.
+    falling : so many points less along each direction for each halving of a cell after the first, where not all digits
+        are asked for: what a part holds falls with it.
 
     Examples
     --------
@@ -76,6 +79,7 @@ class Grading:
 
     points: Floats
     exponents: Floats
+    falling: float = 0.0
 
     def __len__(self) -> int:
         return len(self.points)
@@ -93,6 +97,10 @@ class Grading:
         off by the same share of a power of q; so in a ring of a smaller share of the whole q may be smaller.
         """
         found = np.full(lower.shape[1], order, np.int64)
+        if self.falling:
+            halvings = np.log2(size / (upper - lower).max(axis=0, initial=0.0))
+            found = np.maximum(np.ceil(order - self.falling * np.maximum(halvings - 1, 0)), min(order, LEAST))
+            found = found.astype(np.int64)
         if not len(self) or not self.exponents.any():
             return found
         nearest, which = np.full(len(found), np.inf), np.zeros(len(found), np.int64)
@@ -103,7 +111,7 @@ class Grading:
             nearest[closer], which[closer] = away[closer], number
         rings = np.maximum(np.log2(size / nearest) - 1, 0.0)
         fewer = np.ceil(order - SLOPE * self.exponents[which] * rings)
-        found[:] = np.maximum(fewer, min(order, FEWEST))
+        found[:] = np.minimum(found, np.maximum(fewer, min(order, FEWEST)))
         return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -15,10 +16,11 @@ from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.numbers import measured
 from rsym.reports.render import Report
 from rsym.sampling.labels import labels_of
-from rsym.sampling.rules.portions import RulePortion
+from rsym.sampling.rules.portions import RulePortion, deadline
 from rsym.sampling.rules.quadrature import ORDER, prepared
 from rsym.sampling.rules.refinement import ROUNDING, Integral, Refined, Sums, boundary_rounding, refined
 
+NOTHING = 1e-9  # of a boundary, a part that is none but for rounding
 WORDS = {2: ("area", "length"), 3: ("volume", "surface")}
 
 
@@ -113,7 +115,8 @@ class MeasureReport(Report):
         """Measures with the digits that are known."""
         size, edge = WORDS[self.dimension]
         names = self.coordinates
-        text = f"{size.capitalize()} {_told(self.content)}, {edge} {_told(self.boundary)}, estimated by two rules."
+        content, boundary = (_told_size(value, value) for value in (self.content, self.boundary))
+        text = f"{size.capitalize()} {content}, {edge} {boundary}, estimated by two rules."
         moments = [
             f"{names[i]}{names[j]} {_told(self.second_moments[i][j])}"
             for i in range(self.dimension)
@@ -122,7 +125,7 @@ class MeasureReport(Report):
         rows = [
             ("centroid", ", ".join(map(_told, self.centroid))),
             ("second moments", ", ".join(moments)),
-            *((name, _told(value)) for name, value in self.parts.items()),
+            *((name, _told_size(value, self.boundary)) for name, value in self.parts.items()),
         ]
         data = {
             "content": float(self.content),
@@ -136,7 +139,12 @@ class MeasureReport(Report):
 
 
 def _told(value: Integral) -> str:
-    return measured(float(value), value.error)
+    return measured(float(value), value.error) if math.isfinite(value.error) else "unknown"
+
+
+def _told_size(value: Integral, whole: Integral) -> str:
+    """A size, which is not negative: unknown where it is off by more than it is, but for rounding."""
+    return "unknown" if value.error >= max(float(value), NOTHING * whole) else _told(value)
 
 
 class _MoreNames(Exception):
@@ -155,10 +163,13 @@ def measure(
     bounds: Any = None,
     letters: Mapping[Any, float] | None = None,
     threads: int | None = None,
+    timeout: float | None = None,
 ) -> MeasureReport:
     """Area or volume, length or surface, whole and by part, centroid and second moments of a shape.
 
     They are integrals by `quadrature`, so of the equation and not of facets; errors and parameters as in `integrate`.
+    After a `timeout` in seconds what is known by then is returned, with an infinite error where that is nothing; the
+    report says unknown of what is off by more than it is.
 
     Examples
     --------
@@ -167,6 +178,7 @@ def measure(
     >>> round(found.volume / math.pi, 12), round(found.surface / math.pi, 12)
     (36.0, 36.0)
     """
+    until = deadline(timeout)
     made = prepared(shape, bounds, letters)
     names = list(labels_of((), made.parts).names)
     dimension = shape.dimension
@@ -194,7 +206,9 @@ def measure(
 
     while True:
         try:
-            found = refined(made, quantities, tolerance=tolerance, cells=cells, order=order, threads=threads)
+            found = refined(
+                made, quantities, tolerance=tolerance, cells=cells, order=order, threads=threads, until=until
+            )
             break
         except _MoreNames as met:  # added up again from the start, in a column of their own
             names.extend(met.names)

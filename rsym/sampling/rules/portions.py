@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import math
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Floats, Ints
+from rsym.errors import RsymError
 from rsym.sampling.rules.bases import plane_rule
 from rsym.sampling.rules.columns import CellRule, LeftOpen, rules_together, tensor_rule, tensor_rules
 from rsym.sampling.rules.division import CutPieces, Grading, Limits, close, divide, pieces_together, undivided
+from rsym.sampling.rules.sampled import sampled_rule
 from rsym.sampling.rules.space import space_rule
 
+SAMPLED_AT_ONCE = 512  # of those of which nothing is proved
 PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
 # Sides that run along an axis but for 1e-4 lose up to 4e-12 of their length where leaves may be 3e4 times as steep, at
 # 1e3 nothing; next to cusps 2e-6 of a length is left open then, and 7e-5 at 1e3.
@@ -61,14 +67,31 @@ class RulePortion:
     unresolved: LeftOpen
 
 
-def rule_portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: Grading) -> RulePortion:
-    """The rule in some cells."""
+class OutOfTime(Exception):
+    """The time that a rule had is up."""
+
+
+def rule_portion(
+    functions: Any, grid: CellGrid, cells: Ints, order: int, near: Grading, until: float = math.inf
+) -> RulePortion:
+    """The rule in some cells, `until` a time of the monotonic clock."""
+    require_time(until)
     lower, upper = grid.corners(cells)
     whole = undivided(lower, upper, cells, functions.count)
     found = divide(functions, whole, LIMITS[functions.dimension], near)
     rules = tensor_rules(found.lower, found.upper, found.owner, near.orders(found.lower, found.upper, grid.size, order))
     unresolved = LeftOpen()
-    for pieces in _at_once(found.cut):
+    cut = found.cut
+    if functions.dimension == 3:
+        last = [pieces.chosen(~pieces.proved) for pieces in cut]
+        cut = [pieces.chosen(pieces.proved) for pieces in cut]
+        for pieces in (some for part in last for some in _few(part, SAMPLED_AT_ONCE)):
+            require_time(until)
+            rule, part = sampled_rule(functions, pieces)
+            rules.append(rule)
+            unresolved += part
+    for pieces in _at_once(cut):
+        require_time(until)
         orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
         rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, orders)
         rules.append(rule)
@@ -85,6 +108,27 @@ def rule_portion(functions: Any, grid: CellGrid, cells: Ints, order: int, near: 
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
         rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
     return RulePortion(rule, cells[full], unresolved)
+
+
+def deadline(timeout: float | None) -> float:
+    """The time of the monotonic clock so many seconds from now; without any there is none."""
+    if timeout is None:
+        return math.inf
+    if not isinstance(timeout, Real) or not float(timeout) > 0:
+        raise RsymError(f"expected a number of seconds above 0, got timeout={timeout!r}", code="timeout")
+    return time.monotonic() + float(timeout)
+
+
+def require_time(until: float) -> None:
+    """Stop where the time is up."""
+    if until < math.inf and time.monotonic() > until:
+        raise OutOfTime
+
+
+def _few(pieces: CutPieces, most: int) -> Iterator[CutPieces]:
+    """Pieces, so many at once at most."""
+    for first in range(0, len(pieces), most):
+        yield pieces.chosen(np.arange(len(pieces)) // most == first // most)
 
 
 def _at_once(found: Sequence[CutPieces]) -> Iterator[CutPieces]:

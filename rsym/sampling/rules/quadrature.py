@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -15,10 +15,9 @@ from rsym.arrays import Floats, Ints
 from rsym.backends.kernel import checked_threads, lasting_threads
 from rsym.errors import RsymError, warn
 from rsym.logic.sign_form import shape_form
-from rsym.model.equation import checked_bounds
 from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import extent
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.labels import Labeller, Labels, labels_of
 from rsym.sampling.rules.columns import CellRule, rules_joined
 from rsym.sampling.rules.division import (
@@ -34,6 +33,7 @@ ORDER = 8
 PAIRS = 2**17  # of cells and leaves that are looked at at once
 CUT_AT_ONCE = 1024  # cells that the boundary may cross, of which rules are made at once
 POINTS = 2**20  # of such rules, about
+ASIDE = np.array([0.381966, 0.414214, 0.442777])  # of a cell, as lattices of meshes are
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,7 +202,9 @@ class Prepared:
     """A shape at letters within bounds, ready for rules.
 
     `owner` is the leaf of the shape that each leaf of the functions comes from, and `parts` are the names of these;
-    `sides` are those that are bounds nobody asked for: the shape's own. `called` labels points of these leaves.
+    `sides` are those that are bounds nobody asked for: those that the shape states, or, if not `stated`, those of a box
+    that holds its boundary. `called` labels points of these leaves. `walls` are those where the shape ends with its
+    domain or at a pole: omega is not zero there, and nothing of them counts.
     """
 
     functions: Any
@@ -210,7 +212,9 @@ class Prepared:
     parts: tuple[str, ...]
     owner: Ints
     sides: range = range(0)
-    called: Callable[[Floats, Ints], Labels] | None = None
+    called: Labeller | None = None
+    stated: bool = True
+    walls: tuple[int, ...] = ()
 
     def labels(self, rule: CellRule) -> Labels:
         """Which parts the points of the boundary in a rule belong to."""
@@ -224,12 +228,14 @@ class Prepared:
         grid = self.grid(cells)
         made = list(self.portions(grid, order, near, threads))
         made = made or [
-            rule_portion(self.functions, grid, np.arange(0), order, _grading(None, self.functions.dimension))
+            rule_portion(self.functions, grid, np.arange(0), order, grading(None, self.functions.dimension))
         ]
         rule = rules_joined([portion.rule for portion in made])  # by cell, as portions are
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
         normals = -(gradient / np.linalg.norm(gradient, axis=0)).T
         leaves = self.owner[rule.edge_leaf]
+        if self.called is not None:
+            leaves = self.called.leaves(rule.edge_points.T, leaves)
         self.warn_of_cuts(leaves)
         boundary = BoundaryQuadrature(
             rule.edge_points.T, rule.edge_weights, normals, leaves, rule.edge_owner, self.parts, self.called
@@ -261,33 +267,63 @@ class Prepared:
                 )
 
     def warn_of_cuts(self, leaves: Ints) -> None:
-        """Say which of the shape's own bounds cut it, where the boundary is on these leaves."""
+        """Say which of the bounds that the shape states cut it, where the boundary is on these leaves."""
         cut = [self.parts[leaf].removeprefix("cap ") for leaf in np.unique(leaves) if leaf in self.sides]
+        if cut and not self.stated:
+            raise _unbounded()
         if cut:
             warn(
                 f"the shape's own bounds cut it: {', '.join(cut)}; give bounds=shape.bounds if they are meant to, "
                 "else bounds=rsym.extent(shape), or wider ones"
             )
+        if np.isin(leaves, self.walls).any():
+            warn(
+                "the shape ends where a part of it has no value beyond, or at a pole: omega is not zero there, and "
+                "that is not counted as boundary"
+            )
 
-    def grid(self, cells: int) -> CellGrid:
-        """Cubical cells, so many along the longest side."""
+    def grid(self, cells: int, aside: bool = False) -> CellGrid:
+        """Cubical cells, so many along the longest side; moved `aside`, so that planes of symmetry are none of theirs.
+
+        On these leaves cross, touch or are singular along sides of cells.
+        """
         require_count("cells", cells, "the number of cells along the longest side, for example 32")
         size = max(high - low for low, high in self.box) / cells
         counts = tuple(max(1, math.ceil((high - low) / size - 1e-9)) for low, high in self.box)
-        return CellGrid(np.array([low for low, _ in self.box], float), size, counts)
+        lower = np.array([low for low, _ in self.box], float)
+        if aside:
+            return CellGrid(lower - size * ASIDE[: len(counts)], size, tuple(count + 1 for count in counts))
+        return CellGrid(lower, size, counts)
 
     def portions(
-        self, grid: CellGrid, order: int, near: ArrayLike | Grading | None, threads: int | None
+        self,
+        grid: CellGrid,
+        order: int,
+        near: ArrayLike | Grading | None,
+        threads: int | None,
+        number: float = 1.0,
+        until: float = math.inf,
     ) -> Iterator[RulePortion]:
-        """The rule in some cells after the other; the portions depend on the grid alone."""
+        """The rule in some cells after the other, in about so many portions or more; they depend on the grid alone.
+
+        At a time of the monotonic clock they end with `OutOfTime`.
+        """
         require_count("order", order, "the number of points along each direction of a cell, for example 8")
-        towards = _grading(near, self.functions.dimension)
-        make = partial(rule_portion, self.functions, grid, order=order, near=towards)
-        some, count = self._some_cells(grid, order, towards), checked_threads(threads)
+        towards = grading(near, self.functions.dimension)
+
+        def make(cells: Ints) -> RulePortion:
+            portion = rule_portion(self.functions, grid, cells, order, towards, until)
+            on_walls = np.isin(self.owner[portion.rule.edge_leaf], self.walls)
+            if not on_walls.any():
+                return portion
+            weights = np.where(on_walls, 0.0, portion.rule.edge_weights)
+            return replace(portion, rule=replace(portion.rule, edge_weights=weights))
+
+        some, count = self._some_cells(grid, order, towards, number), checked_threads(threads)
         many = count > 1 and len(some) > 1
         yield from lasting_threads("rsym-rules", count).map(make, some) if many else map(make, some)
 
-    def _some_cells(self, grid: CellGrid, order: int, near: Grading) -> list[Ints]:
+    def _some_cells(self, grid: CellGrid, order: int, near: Grading, number: float) -> list[Ints]:
         """The cells that the shape may meet, in parts of about as much work."""
         functions = self.functions
         size = max(1, PAIRS // functions.count)
@@ -306,35 +342,40 @@ class Prepared:
             cuts[cells] |= close(pieces, near.points) & fills[cells]
         self._require_finite(np.flatnonzero(~bounded), grid.corners(every))
         points = order**functions.dimension
-        work = np.cumsum(cuts / min(CUT_AT_ONCE, max(16, POINTS // (4 * points))) + fills * (points / POINTS))
+        share = max(1 / min(CUT_AT_ONCE, max(16, POINTS // (4 * points))), number / max(1, int(cuts.sum())))
+        work = np.cumsum(cuts * share + fills * (points / POINTS))
         met = np.flatnonzero(cuts | fills)
         return [cells for cells in np.split(met, np.flatnonzero(np.diff(work[met].astype(np.int64))) + 1) if len(cells)]
 
 
 def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Prepared:
-    """A shape within the bounds given, else its own, which cap it, else its extent."""
+    """A shape within the bounds given or stated, which cap it, else all of it."""
     require_shape(shape)
-    box = shape.bounds if bounds is None else checked_bounds(bounds, shape.dimension)
     optional_package("numba", "a rule of integration")
     # Without numba the rest of the package can be imported.
     from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 
-    form = rule_form(shape, box is not None)
-    known = extent(shape, letters) if box is None else box
+    known, whole = bounds_or_extent(shape, bounds, letters), bounds is None and shape.bounds is None
+    form = rule_form(shape, not whole or shape.box is not None)
     functions = LeafFunctions(shape, form.form, letters, known)
-    if box is None and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
-        raise RsymError(
-            "the inside of the shape is unbounded",
-            code="unbounded",
-            remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
-        )
-    own = 2 * shape.dimension if bounds is None and box is not None else 0
+    if whole and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
+        raise _unbounded()
+    own = 2 * shape.dimension if bounds is None and shape.box is not None else 0
     count = len(form.names)
-    called = partial(Labeller(shape, letters), behind=form.names[len(shape_form(shape).leaves) :])
-    return Prepared(functions, known, form.names, form.owner, range(count - own, count), called)
+    called = Labeller(shape, letters, form.names[len(shape_form(shape).leaves) :])
+    sides = range(count - own, count)
+    return Prepared(functions, known, form.names, form.owner, sides, called, not whole, form.walls)
 
 
-def _grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
+def _unbounded() -> RsymError:
+    return RsymError(
+        "the inside of the shape is unbounded",
+        code="unbounded",
+        remedy="give bounds=((xmin, xmax), ...), or cut the shape off with a bounded one",
+    )
+
+
+def grading(near: ArrayLike | Grading | None, dimension: int) -> Grading:
     """Points (k, dim) from what was given."""
     if isinstance(near, Grading):
         return near

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -11,14 +12,16 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import warn
-from rsym.sampling.rules.portions import RulePortion
-from rsym.sampling.rules.quadrature import Prepared
+from rsym.sampling.rules.portions import OutOfTime, RulePortion, rule_portion
+from rsym.sampling.rules.quadrature import Prepared, grading
 
 TOLERANCE = {2: 1e-12, 3: 1e-10}
 CELLS = {2: 8, 3: 6}  # along the longest side at first
 ORDERS = 4  # points along each direction from one rule to the next
 HIGHEST = 20  # beyond, cells are halved instead
-MOST_POINTS = {2: 2e6, 3: 3e7}  # some seconds
+AT_ONCE = 2e6  # points of a portion of a rule, about
+MOST_POINTS = {2: 2e6, 3: 4e6}  # a few seconds
+FALLING = {2: 0.0, 3: 0.5}  # see `Grading`: parts of cells in space are many
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 ROUNDING = 4 * np.finfo(np.float64).eps
 BOUNDARY = {2: 2e-14, 3: 1e-13}  # of lengths and surfaces, which hang on slopes: twice the worst of a hundred
@@ -126,21 +129,26 @@ def refined(
     near: ArrayLike | None = None,
     threads: int | None = None,
     peaks: bool = False,
+    until: float = math.inf,
 ) -> Refined:
     """Sums over rules of rising order, then on smaller cells, until two agree; what they leave open is warned of.
 
+    When the time is up, on the monotonic clock, what two rules have told by then is returned; of one alone nothing is
+    known, and the error is infinite.
     Where what is added may have `peaks` that all points of these cells miss, a rule on other and smaller cells has to
     agree too.
     """
     met: set[int] = set()
 
     def summed() -> tuple[Sums, int]:
-        total, points = Sums(*[np.zeros(1)] * 4), 0
-        for portion in shape.portions(shape.grid(count), highest, near, threads):
+        grid = shape.grid(count, aside=dimension == 3)
+        total, made = Sums(*[np.zeros(1)] * 4), 0
+        number = points * (highest * count / spacing) ** dimension / AT_ONCE
+        for portion in shape.portions(grid, highest, towards, threads, number, until):
             total += quantities(portion)
-            points += len(portion.rule.weights)
+            made += len(portion.rule.weights)
             met.update(np.unique(portion.rule.edge_leaf).tolist())
-        return total, points
+        return total, made
 
     def compared() -> Refined:
         with np.errstate(invalid="ignore"):  # of sums that are not finite
@@ -148,49 +156,69 @@ def refined(
         apart = _apart(now, last, older, count * highest / along)
         return Refined(sums, before, count, highest, apart)
 
-    def told() -> Refined:
-        if np.isinf(found.errors).any():
-            warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
-        elif (over := found.beyond(least)).any():
-            with np.errstate(divide="ignore"):
-                worst = float((found.errors[over] / found.found.scales[over]).max())
-            if found.improves(least).any():
-                why = (
-                    f"so much do rules of {points:.1e} points differ; near= points where the function or the boundary "
-                    "varies fast may help"
-                )
-            else:
-                why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
-            warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
-        return found
-
     dimension = shape.functions.dimension
+    towards = replace(grading(near, dimension), falling=FALLING[dimension])
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
     # In space a rule of half the order costs an eighth, and is exact where faces are plane.
     count, highest = CELLS[dimension] if cells is None else cells, order if dimension == 2 else max(1, order // 2)
-    sums, points = summed()
-    before = earlier = np.full_like(sums.values, np.nan)
-    shape.warn_of_cuts(shape.owner[sorted(met)])
-    while True:
-        first, earlier, before, along = earlier, before, sums.values, count * highest
-        if highest + ORDERS > max(HIGHEST, order + ORDERS):
-            count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
-        else:
-            highest += ORDERS
+    points, spacing = 0, count * highest
+    nothing = rule_portion(shape.functions, shape.grid(count), np.arange(0), highest, towards)
+    found = unknown(quantities(nothing), count, highest)
+    try:
         sums, points = summed()
-        found = compared()
-        if not found.improves(least).any():
-            finer = FINER[dimension] * count + 1
-            if not peaks or (finer / count) ** dimension * points > MOST_POINTS[dimension]:
-                return told()
+        before = earlier = np.full_like(sums.values, np.nan)
+        found = unknown(sums, count, highest)
+        shape.warn_of_cuts(shape.owner[sorted(met)])
+        while True:
             first, earlier, before, along = earlier, before, sums.values, count * highest
-            count, highest = finer, order
+            spacing = along
+            if highest + ORDERS > max(HIGHEST, order + ORDERS):
+                count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
+            else:
+                highest += ORDERS
             sums, points = summed()
             found = compared()
             if not found.improves(least).any():
-                return told()
-        if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
-            return told()
+                finer = FINER[dimension] * count + 1
+                if not peaks or (finer / count) ** dimension * points > MOST_POINTS[dimension]:
+                    return told(found, points, least)
+                first, earlier, before, along = earlier, before, sums.values, count * highest
+                spacing = along
+                count, highest = finer, order
+                sums, points = summed()
+                found = compared()
+                if not found.improves(least).any():
+                    return told(found, points, least)
+            if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
+                return told(found, points, least)
+    except OutOfTime:
+        if not np.isinf(found.errors).any():
+            return told(found, points, least)
+        warn("an integral is not known: the time was up before two rules were made; timeout= may give more")
+        return found
+
+
+def told(found: Refined, points: int, least: float) -> Refined:
+    """The sums; what they leave open beyond a tolerance is warned of."""
+    if np.isinf(found.errors).any():
+        warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
+    elif (over := found.beyond(least)).any():
+        with np.errstate(divide="ignore"):
+            worst = float((found.errors[over] / found.found.scales[over]).max())
+        if found.improves(least).any():
+            why = (
+                f"so much do rules of {points:.1e} points differ; near= points where the function or the boundary "
+                "varies fast may help"
+            )
+        else:
+            why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
+        warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
+    return found
+
+
+def unknown(sums: Sums, cells: int, order: int) -> Refined:
+    """Sums that no other rule was compared with."""
+    return Refined(sums, np.full_like(sums.values, np.nan), cells, order, np.full_like(sums.values, np.inf))
 
 
 def _apart(now: Floats, before: Floats, earlier: Floats, growth: float) -> Floats:

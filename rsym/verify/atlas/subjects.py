@@ -23,7 +23,7 @@ from rsym.bounds.enclosures import Range, ranges_of
 from rsym.model.constructions import section
 from rsym.model.shape import Bounds, Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, UNDECIDED
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.extent import outer_bounds
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import Joint, SmoothnessReport, is_defect
 from rsym.verify.answers.singular import SingularCurve
@@ -69,7 +69,7 @@ class AtlasSubject(ABC, Generic[R]):
 
     def __init__(self, shape: Shape, values: Mapping[str, Range], *, body: bool = False) -> None:
         self.shape = shape
-        self.bounds = bounds_of(shape, None)
+        self.bounds = outer_bounds(shape, None, values)
         self.model = Model(shape.replace(expression=cleaned(shape.expression)), values, body=body)
 
     @abstractmethod
@@ -95,7 +95,7 @@ class PlaneSubject(AtlasSubject[SmoothnessReport]):
     def __init__(self, shape: Shape, values: Mapping[str, Range]) -> None:
         found = find_meridian(shape) if shape.dimension == 3 else None
         super().__init__(found[0] if found else shape, values, body=found is not None)
-        self._question = Question(shape)
+        self._question = Question(shape, letters=values)
         self._refuter = Refuter(self.model, self.bounds)
 
     def at(self, values: Mapping[str, Any]) -> SmoothnessReport:
@@ -166,7 +166,7 @@ class BodySubject(AtlasSubject[BodyReport]):
         near = [float(value) for k, value in enumerate(point) if k != axis]
         model = Model(flat.replace(expression=cleaned(flat.expression)), ranges)
         joint = Joint((near[0], near[1]), curve.radius, curve.kind, curve.continuity, proved=True)
-        return Refuter(model, bounds_of(flat, None)).joint(ranges, [joint]) is not None
+        return Refuter(model, outer_bounds(flat, None, ranges)).joint(ranges, [joint]) is not None
 
 
 def subject_of(shape: Shape, values: Mapping[str, Range]) -> AtlasSubject[Any]:
@@ -218,7 +218,7 @@ def refuted_throughout(
     plane = meridian(shape)[0] if body else shape
     ranges = ranges_of(shape.letters, letters)
     model = Model(plane.replace(expression=cleaned(plane.expression)), ranges, body=body)
-    return Refuter(model, bounds_of(plane, None)).joint(ranges, defects)
+    return Refuter(model, outer_bounds(plane, None, ranges)).joint(ranges, defects)
 
 
 class Refuter:

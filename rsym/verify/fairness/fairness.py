@@ -15,7 +15,7 @@ from rsym.model.requirements import require_count, require_positive, require_sha
 from rsym.model.shape import Shape
 from rsym.reports.words import plural
 from rsym.sampling.combs import combs
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
@@ -139,8 +139,9 @@ def _of_a_curve(
             "no regular boundary was found within the bounds", code="no-boundary", remedy="give wider bounds"
         )
     sampler = Sampler(arcs, [bent.piece for bent, _ in found.done])
-    box = bounds_of(plane, None if body else bounds)
-    lines = combs(plane, teeth=TEETH, bounds=box, letters={name: float(low) for name, (low, _) in values.items()})
+    single = {name: float(low) for name, (low, _) in values.items()}
+    box = bounds_or_extent(plane, None if body else bounds, single)
+    lines = combs(plane, teeth=TEETH, bounds=box, letters=single)
     joints = [joint.point for joint in (*smoothness.defects, *smoothness.joints)]
     kind = "body of revolution" if body else "curve"
     names = (model.builder.coordinates[0], "radius") if body else model.builder.coordinates

@@ -15,10 +15,12 @@ from rsym.analysis.contracts.orders import leaf_order
 from rsym.analysis.contracts.promises import Order
 from rsym.arrays import Floats
 from rsym.errors import RsymError
+from rsym.logic.faces import BETWEEN
 from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.labels import Labeller
 from rsym.verify.lint.letter_findings import letter_findings
 from rsym.verify.lint.logic import Logic, logic_of
 from rsym.verify.lint.places import ModelPlace, places_of
@@ -193,7 +195,14 @@ def face_findings(survey: Survey, faces: Sequence[CommonFace]) -> Iterator[Findi
             if face.kind == kind:
                 point = face.points[len(face.points) // 2]
                 where = dict.fromkeys((survey.places[face.first], survey.places[face.second]))
-                yield Finding(kind, tuple(where), _message(face), _REMEDIES[kind], tuple(point.tolist()))
+                message = _message(face) + (_of_parts(survey.shape, point) if kind == COINCIDENT else "")
+                yield Finding(kind, tuple(where), message, _REMEDIES[kind], tuple(point.tolist()))
+
+
+def _of_parts(shape: Shape, point: Floats) -> str:
+    """Which parts have a face at a point, in words, where there are several."""
+    (name,) = Labeller(shape).nearest(point[None]).each
+    return f"; the face is one of {name.replace(BETWEEN, ' and ')}" if BETWEEN in name else ""
 
 
 def _message(face: CommonFace) -> str:

@@ -15,7 +15,8 @@ from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.sampling.lattice import bounds_of, lattice_over
+from rsym.sampling.extent import outer_bounds
+from rsym.sampling.lattice import lattice_over
 from rsym.sampling.level_lines import level_lines
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
@@ -106,7 +107,7 @@ def verify_normalisation(
     """
     _check(shape, order, tolerance)
     effort = Effort(progress, timeout)
-    box: Box = tuple((float(low), float(high)) for low, high in bounds_of(shape, bounds))
+    box: Box = outer_bounds(shape, bounds, ranges_of(shape.letters, letters))
     derivatives = NormalDerivatives(_model(shape, letters), order)
     extent = max(high - low for low, high in box)
     points, ends, cell, remarks = _boundary(shape, derivatives, box, resolution)

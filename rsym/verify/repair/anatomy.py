@@ -20,7 +20,7 @@ from rsym.model.symbols import postorder
 from rsym.program.lowering import lower
 from rsym.program.operations import CHOOSING
 from rsym.program.program import live
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.extent import bounds_or_extent
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import Joint, SmoothnessReport
 from rsym.verify.answers.singular import SingularCurve, SingularPoint
@@ -70,7 +70,7 @@ class Anatomy:
     def __init__(self, shape: Shape) -> None:
         self.shape = shape
         self.model = Model(shape, ranges_of(shape.letters, None))
-        self.extent = max(high - low for low, high in bounds_of(shape, None))
+        self.extent = max(high - low for low, high in bounds_or_extent(shape, None))
 
     def culprits(self, point: Point, radius: float = 0.0) -> list[Culprit]:
         """The parts that a move may change and that are not analytic within the radius of a point."""

@@ -13,7 +13,7 @@ from rsym.model.shape import Shape
 from rsym.reports.numbers import at_most, number
 from rsym.sampling.boundaries import Boundary, boundary, distance
 from rsym.sampling.distances import distance_to_mesh
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.verify.answers.report import SmoothnessReport
@@ -91,7 +91,7 @@ def measured(shape: Shape, report: Verdict) -> Measured:
     if shape.dimension == 3 and not body:
         return _meshed(shape)
     plane = meridian(shape)[0] if body else shape
-    lines = boundary(plane, bounds_of(plane, None))
+    lines = boundary(plane, bounds_or_extent(plane, None))
     volume = lines.volume() if body else lines.area()
     return Measured(lines, volume if lines.closed else math.nan, lines.deviation, shape.dimension)
 

@@ -20,7 +20,7 @@ from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.reports.document import CERTIFIED, REFUTED
 from rsym.reports.numbers import at_most, number
-from rsym.sampling.lattice import bounds_of
+from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.progress import Effort, Progress, report
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
@@ -145,7 +145,7 @@ def _fixed(shape: Shape, bounds: Any, letters: Mapping[Any, Any] | None) -> Shap
             raise RsymError(
                 f"the letter {name} has a range; repair takes numbers", code="range", remedy="vary=[...] names letters"
             )
-    return shape.replace(bounds=bounds_of(shape, bounds)).with_letters(letters or {})
+    return shape.replace(bounds=bounds_or_extent(shape, bounds, letters)).with_letters(letters or {})
 
 
 def _request(

@@ -1,0 +1,245 @@
+"""An opponent of labels: bodies of aligned boxes and coaxial cylinders, whose parts have faces in common.
+
+All coordinates lie on a small grid, so that lids, sides and radii are the same formulas again and again, at random
+places, in random order, some parts of one name, some of none. The truth is counted cell by cell on the grid: a piece of
+a face between a cell inside and one outside belongs to all boxes that end there.
+
+    cd tests; python -m opponent.parted --count 2000 --seed 1
+"""
+
+from __future__ import annotations
+
+import argparse
+import collections
+import itertools
+import math
+import random
+
+import numpy as np
+import sympy as sp
+
+import rsym
+from rsym.logic.faces import BETWEEN
+
+NAMES = ("A", "B", "C", "D")
+SIDE = 6  # of the grid
+WITHIN = 1e-9
+
+
+class Bricks:
+    """Boxes of a grid with names ("" of none), the first ones joined, the last ones cut out."""
+
+    def __init__(self, chance, dimension):
+        self.dimension = dimension
+        self.joined, self.cut = chance.randint(2, 4), chance.randint(0, 2)
+        self.boxes, self.names = [], []
+        levels = [sorted(chance.sample(range(SIDE + 1), 4)) for _ in range(dimension)]  # few: ends coincide
+        for number in range(self.joined + self.cut):
+            self.boxes.append([tuple(sorted(chance.sample(levels[axis], 2))) for axis in range(dimension)])
+            self.names.append(NAMES[number % 4] if chance.random() < 0.85 else chance.choice(("", "A")))
+        self.chance = chance
+
+    def shape(self):
+        """As rsym has it, in a random order."""
+        order = [*range(self.joined)]
+        self.chance.shuffle(order)
+        made = [self._box(number) for number in range(len(self.boxes))]
+        body = made[order[0]]
+        for number in order[1:]:
+            body = body | made[number]
+        for number in range(self.joined, len(made)):
+            body = body - made[number]
+        return body
+
+    def _box(self, number):
+        sizes = [high - low for low, high in self.boxes[number]]
+        middle = [(low + high) / 2 for low, high in self.boxes[number]]
+        made = rsym.rectangle(*sizes) if self.dimension == 2 else rsym.box(*sizes)
+        made = made.translate(*map(exact, middle))
+        return made.named(self.names[number]) if self.names[number] else made
+
+    def holds(self, number, cell):
+        """Whether a cell lies in a box."""
+        return all(low <= place < high for (low, high), place in zip(self.boxes[number], cell, strict=True))
+
+    def inside(self, cell):
+        """Whether a cell lies in the body."""
+        return any(self.holds(k, cell) for k in range(self.joined)) and not any(
+            self.holds(k, cell) for k in range(self.joined, len(self.boxes))
+        )
+
+    def faces(self):
+        """The pieces of the boundary of size 1: middle, axis, and the names there."""
+        for cell in itertools.product(range(-1, SIDE + 1), repeat=self.dimension):
+            if not self.inside(cell):
+                continue
+            for axis, way in itertools.product(range(self.dimension), (-1, 1)):
+                other = tuple(place + way * (k == axis) for k, place in enumerate(cell))
+                if self.inside(other):
+                    continue
+                ends = [k for k in range(self.joined) if self.holds(k, cell)] if not self._united(other) else []
+                ends += [k for k in range(self.joined, len(self.boxes)) if self.holds(k, other)]
+                middle = [place + 0.5 * (1 + way * (k == axis)) for k, place in enumerate(cell)]
+                yield middle, axis, frozenset().union(*map(self._called, ends))
+
+    def _called(self, number):
+        """The names of a box: of one box twice, joined and cut out, it is not known which is meant."""
+        own = self.boxes[number]
+        return {name for box, name in zip(self.boxes, self.names, strict=True) if box == own and name}
+
+    def _united(self, cell):
+        return any(self.holds(k, cell) for k in range(self.joined))
+
+    def truth(self):
+        """Lengths or areas by the names there."""
+        return collections.Counter(names for _, _, names in self.faces())
+
+    def named_at(self, point):
+        """The names at a point of the boundary, those of the nearest piece; None beside an edge."""
+        near = [round(value) for value in point]
+        on = [axis for axis, value in enumerate(point) if abs(value - near[axis]) < 1e-6]
+        if len(on) != 1:
+            return None
+        (axis,) = on
+        cell = [math.floor(value) for value in point]
+        for middle, its, names in self._pieces:
+            if its == axis and middle[axis] == near[axis]:
+                if all(k == axis or math.floor(middle[k]) == cell[k] for k in range(self.dimension)):
+                    return names
+        return frozenset({"nothing"})
+
+    @property
+    def _pieces(self):
+        if not hasattr(self, "_found"):
+            self._found = [*self.faces()]
+        return self._found
+
+
+class Rods:
+    """Cylinders of one radius about the z axis, with names, joined."""
+
+    dimension = 3
+
+    def __init__(self, chance):
+        self.radius = chance.choice((0.5, 1, 1.5))
+        count = chance.randint(2, 4)
+        self.ends = [tuple(sorted(chance.sample(range(SIDE + 1), 2))) for _ in range(count)]
+        self.names = [NAMES[k] if chance.random() < 0.85 else "A" for k in range(count)]
+
+    def shape(self):
+        """As rsym has it."""
+        made = None
+        for (low, high), name in zip(self.ends, self.names, strict=True):
+            rod = rsym.cylinder(exact(self.radius), high - low, (0, 0, exact((low + high) / 2))).named(name)
+            made = rod if made is None else made | rod
+        return made
+
+    def truth(self):
+        """Areas by the names there."""
+        found = collections.Counter()
+        rods = [*zip(self.ends, self.names, strict=True)]
+        inside = [{name for (low, high), name in rods if low <= k < high} for k in range(SIDE)]
+        for k, names in enumerate(inside):
+            if names:
+                found[frozenset(names)] += 2 * math.pi * self.radius
+                for other, end in ((k - 1, "low"), (k + 1, "high")):
+                    if not 0 <= other < SIDE or not inside[other]:
+                        at = k if end == "low" else k + 1
+                        here = {name for ends, name in rods if at == ends[end == "high"]}
+                        found[frozenset(here)] += math.pi * self.radius**2
+        return found
+
+    def named_at(self, point):
+        """Nothing is asked at points."""
+        return None
+
+
+def exact(value):
+    """Whole numbers and halves as they are written."""
+    return sp.Rational(value)
+
+
+def made(seed):
+    """What a seed makes."""
+    chance = random.Random(seed)
+    kind = chance.choice(("plane", "plane", "space", "rods"))
+    return Rods(chance) if kind == "rods" else Bricks(chance, 2 if kind == "plane" else 3)
+
+
+def by_names(parts):
+    """Measures by sets of names; formulas have none."""
+    found = collections.Counter()
+    for name, value in parts.items():
+        names = frozenset(name.split(BETWEEN))
+        found[names if names <= {*NAMES} else frozenset()] += float(value)
+    return found
+
+
+def faults(seed, *, pictures=False):
+    """What is wrong of a seed, in words."""
+    case = made(seed)
+    truth = case.truth()
+    if not truth:
+        return []
+    try:
+        shape = case.shape()
+        bounds = ((-1, SIDE + 1),) * case.dimension if isinstance(case, Bricks) else ((-2, 2), (-2, 2), (-1, SIDE + 1))
+        shape = shape.replace(bounds=bounds)
+        found = by_names(rsym.measure(shape).parts)
+    except rsym.RsymError as error:
+        return [f"refused: {error}"]
+    said = [
+        f"measure of {sorted(names)}: {found[names]:.12g} for {truth[names]:.12g}"
+        for names in {*truth, *found}
+        if abs(found[names] - truth[names]) > WITHIN * (1 + truth[names])
+    ]
+    if isinstance(case, Bricks):
+        said += drawn(case, shape, seed, truth)
+    if pictures and case.dimension == 3:
+        said += meshed(shape, truth)
+    return said
+
+
+def drawn(case, shape, seed, truth):
+    """Points that are drawn on each part lie there."""
+    said = []
+    on = rsym.sample(shape, 200, over="boundary", rng=seed, **({} if case.dimension == 2 else {"resolution": 16}))
+    for point, name in zip(on.points.tolist(), on.parts.tolist(), strict=True):
+        names = case.named_at(point)
+        called = frozenset(name.split(BETWEEN))
+        if names is not None and (called if called <= {*NAMES} else frozenset()) != names:
+            said.append(f"sample at {np.round(point, 6).tolist()}: {name} for {sorted(names)}")
+    return said[:3]
+
+
+def meshed(shape, truth):
+    """The areas of a mesh by names, to its cells."""
+    mesh = rsym.mesh(shape, 48)
+    a, b, c = mesh.vertices[mesh.faces].transpose(1, 0, 2)
+    sizes = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    found = by_names({name: sizes[mesh.part == k].sum() for k, name in enumerate(mesh.parts)})
+    return [
+        f"mesh of {sorted(names)}: {found[names]:.4g} for {truth[names]:.4g}"
+        for names in {*truth, *found}
+        if abs(found[names] - truth[names]) > 1 + 0.15 * truth[names]
+    ]
+
+
+def main():
+    """Ask many seeds, and say which are wrong."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--count", type=int, default=2000)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--pictures", action="store_true", help="meshes too")
+    asked = parser.parse_args()
+    wrong = 0
+    for seed in range(asked.seed, asked.seed + asked.count):
+        said = faults(seed, pictures=asked.pictures)
+        if said:
+            wrong += 1
+            print(seed, *said, sep="\n  ", flush=True)
+    print(f"{wrong} of {asked.count} wrong")
+
+
+if __name__ == "__main__":
+    main()
