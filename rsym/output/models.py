@@ -46,7 +46,7 @@ def save(shape: Shape, path: str | PathLike[str]) -> Path:
     >>> import rsym, tempfile
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = rsym.save(rsym.disc(2).named("disc"), f"{folder}/disc.rf")
-    ...     print(rsym.load(path) == rsym.disc(2))
+    ...     print(rsym.load(path).expression == rsym.disc(2).expression)
     True
     """
     text = dumps(shape)

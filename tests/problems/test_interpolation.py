@@ -206,7 +206,7 @@ def test_slopes_where_a_formula_has_none_are_refused():
         rsym.Shape(sp.exp(1 - x**2 - y**2) - 1, (x, y), bounds=((-2, 2), (-2, 2))),
         rsym.conjunction(rsym.disc(1), rsym.half_plane((1, 0), 0), system=rsym.Rho(0.2)),
         rsym.conjunction(rsym.disc(1), rsym.half_plane((1, 0), 0), system=rsym.Sardf()),
-        rsym.offset(rsym.rectangle(2, 1), 0.3),
+        rsym.offset(rsym.rectangle(2, 1), -0.3),
         rsym.superellipse(2, 1, 4),
         rsym.polygon([(0, 0), (2, 0), (2, 2), (1, 0.5), (0, 2)]),
     ],

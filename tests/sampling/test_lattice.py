@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from rsym import RsymError, Shape, x, y
-from rsym.sampling.lattice import bounds_of, lattice_over
+from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.lattice import lattice_over
 
 BOX = ((-1.0, 3.0), (0.0, 1.0), (-2.0, 1.0))
 
@@ -41,7 +42,7 @@ def test_bad_resolutions(resolution):
     assert caught.value.code == "resolution"
 
 
-def test_bounds_are_needed():
+def test_bounds_are_needed_where_the_boundary_has_no_end():
     with pytest.raises(RsymError) as caught:
-        bounds_of(Shape(x, (x, y)), None)
-    assert caught.value.code == "bounds"
+        bounds_or_extent(Shape(x, (x, y)), None)
+    assert caught.value.code == "unbounded"

@@ -95,10 +95,13 @@ def test_refusals(half):
 
 def test_own_bounds_that_cut_are_told():
     grown = rsym.disc(r, letters={r: 1})
+    assert close(rsym.measure(grown, letters={"r": 2}).area, 4 * math.pi)  # nobody gave bounds
+    grown = grown.replace(bounds=((-1.2, 1.2),) * 2)
     with pytest.warns(rsym.RsymWarning, match="own bounds cut it: x lower, x upper, y lower, y upper; give bounds="):
         assert rsym.measure(grown, letters={"r": 2}).area < 6
+    united = rsym.disc(1) | rsym.Shape(conjunction(y + 1, -y, x, 2 - x), (x, y))
     with pytest.warns(rsym.RsymWarning, match="own bounds cut it: x upper;"):
-        rsym.quadrature(rsym.disc(1) | rsym.Shape(conjunction(y + 1, -y, x, 2 - x), (x, y)), cells=8)
+        rsym.quadrature(united.replace(bounds=((-1.2, 1.2),) * 2), cells=8)
     with pytest.warns(rsym.RsymWarning, match="own bounds"):
         rsym.integrate(1, grown.with_letters({"r": 2}), "boundary")
     wide = rsym.extent(grown, {"r": 2})
