@@ -147,7 +147,7 @@ def test_the_car_fits_and_its_printed_reading_does_not():
     text = rsym.paper.models.model_path("car")
     with pytest.raises(RsymError, match=r"directions \+y;") as caught:
         extent(rsym.load(text, shape="W_printed"))
-    assert caught.value.code == "unbounded"
+    assert caught.value.code == "unproved"
 
 
 def random_body(seed):
