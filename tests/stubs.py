@@ -67,11 +67,7 @@ def stub_of(path):
 
 
 def primitives():
-    homes = {}
-    for piece in PIECES.values():
-        if piece.is_primitive:
-            homes.setdefault(piece.home, set()).add(piece.name)
-    return PRIMITIVES + lines_of(homes, "rsym.")
+    return PRIMITIVES + lines_of({"": {piece.name for piece in PIECES.values() if piece.is_primitive}}, "rsym")
 
 
 def readme():

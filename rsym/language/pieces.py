@@ -59,9 +59,9 @@ class PieceRow:
         """Whether it makes a shape of numbers, or of an expression: a name of `rsym.primitives`."""
         return self.home.startswith("model.primitives.") or self.name == "implicit"
 
-    @cached_property
+    @property
     def function(self) -> Callable[..., Any]:
-        """The function, imported when it is first called."""
+        """The function as its module has it now, imported when it is first called: the facade may put another there."""
         path = f"Shape.{self.name}" if self.is_method else self.name
         found: Callable[..., Any] = attrgetter(path)(import_module(f"rsym.{self.home}"))
         return found

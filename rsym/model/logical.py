@@ -42,7 +42,7 @@ difference
         )
 
     __add__ = __radd__ = _refused("+", _UNION)
-    __mul__ = __rmul__ = _refused("*", f"{_UNION}; shape.scale(2) enlarges")
+    __mul__ = __rmul__ = _refused("*", f"{_UNION}; shape.scale(2) enlarges, shape.expression is omega")
     __truediv__ = __rtruediv__ = _refused("/", "shape.scale(1/2) makes it smaller, a - b is the difference")
     __neg__ = _refused("- with one operand", "~a is the complement")
     __lt__ = __le__ = __gt__ = __ge__ = _refused("that compares", _POINTS)

@@ -22,8 +22,8 @@ AWKWARD = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-170, 5e-324, 1e20, 
 SINGLE = [0.0, -0.0, 1.0, -1.0, 0.5, -3.0, 1e-9, -1e-20, 1e-25, 1e-45, 1e10, -1e20, 3e38, np.inf, -np.inf, np.nan]
 MILD = [0.0, -0.0, 0.25, -2.0, np.nan]
 BACKENDS = {"numpy": NumpyFunction, "llvm": LlvmFunction, "tape": TapeFunction}
-EXACT = {"add", "mul", "div", "neg", "sqrt", "abs", "sign", "min", "max", "select", "undefined", "zero_with"}
-LIBM = {"sin", "cos", "exp", "log", "pow", "atan2", "erf", "softplus"}
+EXACT = {"add", "mul", "div", "neg", "sqrt", "abs", "sign", "min", "max", "select", "undefined", "zero_with", "floor"}
+LIBM = {"sin", "cos", "exp", "log", "pow", "atan2", "erf", "softplus", "asinh"}
 ALPHAS, ORDERS, POWERS = [0, Fraction(1, 2), 1, Fraction(-3, 4)], [1, 2, 3, 6], [2, 4, 6, 3, Fraction(5, 2)]
 PARAMETERS = {
     "r_alpha_conjunction": ALPHAS,

@@ -112,6 +112,8 @@ MEANINGS = {
     "cos": mpmath.cos,
     "exp": mpmath.exp,
     "erf": mpmath.erf,
+    "asinh": mpmath.asinh,
+    "floor": mpmath.floor,
     "softplus": lambda u: max(u, 0) + mpmath.log1p(mpmath.exp(-abs(u))),
     "log": lambda u: mpmath.log(u) if u > 0 else None,
     "atan2": lambda u, v: mpmath.atan2(u, v) if u or v else mpf(0),

@@ -31,6 +31,8 @@ CASES = {
     "sin cos": sp.sin(x * y) * sp.cos(x - y**2),
     "exp log": sp.exp(-x * y) * sp.log(x + y**2 + 3),
     "erf": sp.erf(x * y - 1) * x,
+    "asinh r": sp.asinh(x * y - 1) * y + sp.acosh(x**2 + y**2 + 1),
+    "floor r": sp.floor(x * y) * x**2 + sp.Mod(x - y, 2) * y,
     "softplus r": Softplus(x * y - y),
     "atan2": sp.atan2(x * y + 3, x - y),
     "tan tanh": sp.tan(x / 3) * sp.tanh(y) + sp.sinh(x) * sp.cosh(y),

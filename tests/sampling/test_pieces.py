@@ -220,10 +220,11 @@ def test_a_forked_process_has_threads_of_its_own(cut_cube):
 
 
 def test_exceptions_arrive_as_they_are(body):
-    domain = rsym.Shape(sp.log(x) + 1, (x, y, z), bounds=((-1, 1),) * 3)
+    # Infinity less infinity: no domain of the formula ends there.
+    beyond = rsym.Shape(sp.exp(800 * x) - sp.exp(800 * y) + z, (x, y, z), bounds=((-1, 1),) * 3)
     with ThreadPoolExecutor(2) as threads:
         with pytest.raises(RsymError) as caught:
-            rsym.Mesher(domain)(40, executor=threads)
+            rsym.Mesher(beyond)(40, executor=threads)
         assert caught.value.code == "undefined"
         with pytest.raises(LookupError, match="nothing to inspect"):
             run(job_of(body, inspect=dying.complain), threads)
