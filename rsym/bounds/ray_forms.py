@@ -171,9 +171,11 @@ def guarded(form: SignForm) -> SignForm:
     --------
     >>> import sympy as sp, rsym
     >>> from rsym import x, y, z
-    >>> from rsym.logic.sign_form import shape_form
-    >>> form = shape_form(rsym.Shape(sp.sqrt(1 - x) - sp.sqrt(1 + y**2), (x, y, z)))
-    >>> guarded(form).gates
+    >>> from rsym.logic.sign_form import SignForm, shape_builder
+    >>> from rsym.program.lowering import lower
+    >>> shape = rsym.Shape(sp.sqrt(1 - x) - sp.sqrt(1 + y**2), (x, y, z))
+    >>> builder = shape_builder(shape)
+    >>> guarded(SignForm(builder, (lower(builder, shape.expression),), ())).gates
     (Gate(operation='min', first=0, second=1),)
     """
     b, count = form.builder, len(form.leaves)

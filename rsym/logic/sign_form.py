@@ -257,7 +257,7 @@ def known_form(shape: Shape) -> SignForm | None:
     >>> import rsym, sympy
     >>> from rsym import x, y
     >>> len(known_form(rsym.Shape(sympy.sqrt(x) - y, (x, y))).leaves), known_form(rsym.disc(1))
-    (2, None)
+    (3, None)
     """
     form = shape_form(shape)
     nodes, uniform = form.builder.nodes, form.builder.uniform

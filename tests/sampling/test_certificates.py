@@ -208,11 +208,17 @@ def test_corners_within_a_leaf_are_said_to_be_unknown():
 
 
 def test_where_a_leaf_is_undefined_no_cell_is_passed_over():
-    _, lattice, found = certified(solid(sp.sqrt(x - 2) - y**2), 7)
+    # Of a power whose exponent varies no domain is known.
+    _, lattice, found = certified(solid((x - 2) ** (z**2 + sp.Rational(1, 2)) - y**2), 7)
     cells = np.indices((8, 8, 8)).reshape(3, -1)
     lower, upper = (lattice[:3, None] + lattice[3:, None] * (cells + end) for end in (0, 1))
     within = ((upper > -1.2) & (lower < 1.2)).all(axis=0)
     assert np.array_equal(found.cells, cells[:, within])
+
+
+def test_beyond_the_end_of_a_domain_nothing_is_left_open():
+    _, _, found = certified(solid(sp.sqrt(x - 2) - y**2), 7)
+    assert not found.cells.size
 
 
 def compiled(shape, resolution):

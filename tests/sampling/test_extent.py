@@ -14,7 +14,9 @@ from rsym.backends import kernel
 from rsym.backends.interpreter import interpret
 from rsym.bounds.far_forms import NEARNESS, FarForms, direction_of
 from rsym.logic.sign_form import surface_form
+from rsym.program.builder import Builder
 from rsym.program.fields import program_of
+from rsym.program.lowering import lower
 from rsym.sampling.extent import bounds_or_extent, extent, proved_signs
 from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, cube, grid, halves, slabs
 from rsym.sampling.regions.region_signs import TapedBounds
@@ -227,10 +229,9 @@ FAR = [
 @pytest.mark.parametrize("expression", FAR, ids=str)
 def test_far_forms_are_the_function_times_a_power_of_the_nearness(expression):
     program = program_of(Shape(expression, (x, y, z)), ("value",))
-    form = surface_form(Shape(expression + 1000, (x, y, z)))
-    (leaf,) = form.leaves
-    forms = FarForms(form.builder)
-    node, degree = forms[leaf]
+    builder = Builder(("x", "y", "z"), ())
+    forms = FarForms(builder)
+    node, degree = forms[lower(builder, expression + 1000)]
     far = forms.builder.program({"value": node})
     generator = np.random.default_rng(3)
     direction, size = generator.uniform(-1, 1, (3, 400)), 2.0 ** generator.integers(0, 6, 400)

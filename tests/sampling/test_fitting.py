@@ -204,12 +204,20 @@ def test_points_on_edges_and_corners_do_no_harm():
 
 
 def test_points_where_omega_is_undefined_are_left_out_and_said():
-    shape = rsym.Shape(sp.sqrt(x) + a - y, (x, y), letters={a: 1})
+    shape = rsym.Shape(x**b + a - y, (x, y), letters={a: 1, b: 0.5})
     found = rsym.fit(shape, [[1, 2.5], [4, 3.5], [-1, 1], [2, sp.sqrt(2) + 1.5]], [a])
     assert found.left_out.tolist() == [2]
     assert np.isnan(found.residuals[2])
     assert_close(found.letters["a"], 1.5, rtol=1e-9)
     assert "Left out, for omega has no distance there: 1 point (2)." in str(found)
+
+
+def test_points_beyond_the_end_of_a_domain_are_as_far_as_that_end():
+    shape = rsym.Shape(sp.sqrt(x) + a - y, (x, y), letters={a: 1})
+    found = rsym.fit(shape, [[1, 2.5], [4, 3.5], [-0.25, 1], [2, sp.sqrt(2) + 1.5]], [a], length=100)
+    assert not found.left_out.size
+    assert_close(np.abs(found.residuals), [0, 0, 0.25, 0], atol=1e-5)
+    assert_close(found.letters["a"], 1.5, rtol=1e-9)
 
 
 def test_points_that_become_defined_take_part():

@@ -70,12 +70,20 @@ def test_signs_of_a_section_of_many_balls_are_those_of_the_value(balls, axis):
 
 
 def test_where_omega_is_undefined_signs_are_so_too(discs):
-    shape = (discs[0] | rsym.Shape(sp.sqrt(x - 0.5) - 1, (x, y))).replace(bounds=discs[0].box.ends)
-    sampler = plane_sampler(shape, "value", resolution=40)
+    root = rsym.Shape((x - 0.5) ** (y**2 + 0.5) - 1, (x, y))  # no form knows its domain, for the exponent varies
+    sampler = plane_sampler((discs[0] | root).replace(bounds=discs[0].box.ends), "value", resolution=40)
     assert sampler.large is not None
     signs = sampler.signs()
     assert np.isnan(signs).any()
     np.testing.assert_array_equal(signs, dense(sampler).signs())
+
+
+def test_beyond_the_domain_of_a_part_signs_are_those_of_the_others(discs):
+    shape = (discs[0] | rsym.Shape(sp.sqrt(x - 0.5) - 1, (x, y))).replace(bounds=discs[0].box.ends)  # at most 0.85 - 1
+    signs = plane_sampler(shape, "value", resolution=40).signs()
+    alone = plane_sampler(discs[0], "value", resolution=40).signs()
+    assert {-1, 1} <= set(alone.ravel().tolist())
+    np.testing.assert_array_equal(signs, alone)
 
 
 def test_the_boundary_of_many_discs_is_found_without_looking_at_all_of_them(discs, asked):

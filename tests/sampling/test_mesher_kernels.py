@@ -250,18 +250,41 @@ def test_an_illegal_parameter_is_refused(value):
 @pytest.mark.parametrize(
     "expression",
     [
-        (1 - x**2 - y**2 - z**2) * sp.sqrt(x + sp.Rational(1, 3)),
-        sp.sqrt(x) - sp.Rational(3, 5) - y**2,  # negative wherever it is defined but for a part
-        sp.log(x) + 9,
-        x ** sp.Rational(3, 2) - sp.Rational(3, 5) - y**2,
+        (1 - x**2 - y**2 - z**2) * (x + sp.Rational(1, 3)) ** (z**2 + sp.Rational(1, 2)),
+        x ** (z**2 + sp.Rational(1, 2)) - sp.Rational(3, 5) - y**2,  # negative wherever it is defined but for a part
+        sp.Max(z, x) ** (z**2 + sp.Rational(1, 2)) + 9,
+        x ** (z**2 + sp.Rational(3, 2)) - sp.Rational(3, 5) - y**2,
     ],
 )
 def test_where_the_boundary_may_be_undefined_the_place_is_told(expression):
+    # Of a power whose exponent varies no domain is known, so that no leaf is its end.
     kernels = kernels_of(expression)
     blocks = find_blocks(kernels, LATTICE, CELLS)
     with pytest.raises(RsymError, match="no value near") as caught:
         sample_signs(kernels, blocks, LATTICE, None)
     assert caught.value.code == "undefined"
+
+
+@pytest.mark.random
+@pytest.mark.parametrize(
+    ("expression", "inside"),
+    [
+        (
+            (1 - x**2 - y**2 - z**2) * sp.sqrt(x + sp.Rational(1, 3)),
+            lambda u, v, w: (u > -1 / 3) & (u**2 + v**2 + w**2 < 1),
+        ),
+        (sp.sqrt(x) - sp.Rational(3, 5) - y**2, lambda u, v, w: (u > 0) & (u > (0.6 + v**2) ** 2)),
+        (sp.log(x) + 9, lambda u, v, w: u > np.exp(-9)),
+        (x ** sp.Rational(3, 2) - sp.Rational(3, 5) - y**2, lambda u, v, w: (u > 0) & (u**3 > (0.6 + v**2) ** 2)),
+    ],
+)
+def test_where_the_end_of_a_domain_is_known_the_body_ends_there(expression, inside):
+    points = np.random.default_rng(5).uniform(-1.5, 1.5, (3, 2000))
+    kernels = kernels_of(expression)
+    sample_signs(kernels, find_blocks(kernels, LATTICE, CELLS), LATTICE, None)
+    value, active = np.empty(padded(2000)), np.empty(padded(2000), np.int16)
+    kernels.value(2000, columns(points), value, active)
+    np.testing.assert_array_equal(value[:2000] > 0, inside(*points))
 
 
 @pytest.mark.slow

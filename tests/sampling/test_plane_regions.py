@@ -89,8 +89,16 @@ def test_signs_are_those_of_the_values_of_a_kernel(model):
     np.testing.assert_array_equal(signs_of(view) == 1, sampler.samples()["value"] >= 0)
 
 
-def test_a_hole_in_the_domain_is_outside():
+def test_in_a_hole_of_the_domain_what_has_a_value_decides():
     shape = rsym.Shape(rsym.disjunction(sp.sqrt(x), y), (x, y))
+    lattice = lattice_over(((-1, 1), (-1, 1)), 40, math.inf)
+    u, v = points_of(lattice)
+    off = (u != 0) & (v != 0)
+    np.testing.assert_array_equal(signs_on(shape, lattice)[off], np.where((u > 0) | (v > 0), 1, -1)[off])
+
+
+def test_what_has_no_value_is_outside():
+    shape = rsym.Shape(x ** (y**2 + sp.Rational(1, 2)), (x, y))
     lattice = lattice_over(((-1, 1), (-1, 1)), 40, math.inf)
     signs = signs_on(shape, lattice)
     grid = points_of(lattice)

@@ -31,6 +31,11 @@ def kernels_of(formula, letters, moved=None):
     return kernels
 
 
+def root_of(expression):
+    """Undefined where the expression is negative; the exponent varies, so that no form knows the domain."""
+    return expression ** (y**2 + sp.Rational(1, 2))
+
+
 def values(kernels, points):
     """Without the scale of the active leaf."""
     count = points.shape[1]
@@ -75,7 +80,7 @@ def test_a_letter_may_be_a_leaf_by_itself():
 
 def test_the_sign_picture_keeps_what_is_undefined():
     """A disc or what is undefined left of an axis: outside there everywhere, not only near the circle."""
-    shape = rsym.Shape(rsym.disjunction(1 - x**2 - y**2, sp.sqrt(x) - sp.Rational(7, 5)), (x, y))
+    shape = rsym.Shape(rsym.disjunction(1 - x**2 - y**2, root_of(x) - 4), (x, y))
     lattice = lattice_over(((-1.5, 1.5), (-1.5, 1.5)), 60, math.inf)
     u, v = np.meshgrid(
         *(o + h * np.arange(n) for o, h, n in zip(lattice.origin, lattice.spacing, lattice.counts, strict=True)),
@@ -87,17 +92,28 @@ def test_the_sign_picture_keeps_what_is_undefined():
 
 def test_the_value_keeps_what_is_undefined():
     """Of max(min(undefined, -1 - x**2), 9) the first operand is below the second in the whole box."""
-    formula = rsym.disjunction(rsym.conjunction(sp.sqrt(x) + 1, -1 - z**2), 9 + y)
+    formula = rsym.disjunction(rsym.conjunction(root_of(x) + 1, -1 - z**2), 9 + y)
     points = np.random.default_rng(11).uniform(-1, 1, (3, 400))
     found = values(kernels_of(formula, {}), points)
     np.testing.assert_array_equal(np.isnan(found), points[0] < 0)
 
 
 def test_a_box_with_something_undefined_is_kept():
-    kernels = kernels_of(rsym.disjunction(sp.log(x), 9 + y), {})
+    kernels = kernels_of(rsym.disjunction(root_of(x), 9 + y), {})
     ends = ends_around(np.array([[-0.5, 0.5, 0.0], [0.0] * 3, [0.0] * 3]), 0.1)
     sides, _ = kernels.sides(ends, np.zeros(3, np.int64), None, one_by_one)
     assert sides.tolist() == [KEPT, INSIDE, KEPT]
+
+
+def test_beyond_the_end_of_a_domain_the_partner_decides():
+    kernels = kernels_of(rsym.disjunction(sp.log(x), 9 + y), {})
+    ends = ends_around(np.array([[-0.5, 0.5, 0.0], [0.0] * 3, [0.0] * 3]), 0.1)
+    sides, _ = kernels.sides(ends, np.zeros(3, np.int64), None, one_by_one)
+    assert sides.tolist() == [INSIDE] * 3
+    shape = rsym.Shape(rsym.disjunction(1 - x**2 - y**2, sp.sqrt(x) - sp.Rational(7, 5)), (x, y))
+    lattice = lattice_over(((-1.5, 1.5), (-1.5, 1.5)), 60, math.inf)
+    disc = shape.replace(expression=1 - x**2 - y**2)
+    np.testing.assert_array_equal(signs_on(shape, lattice), signs_on(disc, lattice))
 
 
 def test_zero_and_minus_zero_are_two_letters():
