@@ -312,7 +312,7 @@ STEPS: dict[str, Operation] = {
         texts=call(
             "floor",
             llvm="call {type} @llvm.floor.{suffix}({type} {0})",
-            fortran="anint({0} - 0.5d0)",
+            fortran="aint({0}) - merge(1d0, 0d0, aint({0}) > {0})",
         ),
         grows=(UP,),
         at=lambda u: u.floor(),

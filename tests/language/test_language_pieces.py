@@ -195,6 +195,7 @@ def program(shape):
 
 
 @pytest.mark.random
+@pytest.mark.filterwarnings("default:the (offset|thickness) ")  # f and h know no distance
 @pytest.mark.parametrize(("text", "make"), ROWS, ids=[text for text, _ in ROWS])
 def test_a_model_file_and_python_give_the_same_program(text, make):
     loaded, made = rsym.loads(f"{HEAD} omega = {text}"), make()
