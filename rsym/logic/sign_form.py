@@ -17,7 +17,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
-from rsym.logic.steps import has_steps, parted, sign_gate
+from rsym.logic.steps import has_steps, is_between, parted, sign_gate
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
@@ -291,9 +291,14 @@ def sign_form(builder: Builder, number: int) -> SignForm:
 
 
 def decided(builder: Builder, number: int) -> int:
-    """The node, or one of its sign with the boundary that is lost of it beside parts without a value, and in jumps."""
+    """The node, or one of its sign with the boundary that is lost of it beside parts without a value, and in jumps.
+
+    Where a jump may have a value of its own, which belongs to neither of its sides, the node is left as it is.
+    """
     form = _gated(builder, number)
     jumps = any(has_steps(builder, leaf) for leaf in form.leaves)
+    if jumps and not all(is_between(builder, leaf) for leaf in form.leaves):
+        return number
     return _known(builder, number, ()) if jumps or any(gate.operation == "max" for gate in form.gates) else number
 
 

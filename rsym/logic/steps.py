@@ -22,6 +22,7 @@ from rsym.program.program import live
 
 MOST_STEPS = 8  # within each other: each may double a leaf
 POINTS, HALVINGS = 256, 60
+BESIDE = 1e-13  # of a segment, how far beyond a zero its other side is: on the zero others may be zero too
 CONTINUOUS = 1e-9  # of its size, a step that rounding may make
 SIZES = (1.0, 10.0, 0.1, 100.0)
 
@@ -65,8 +66,28 @@ def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable
 
 
 def has_steps(builder: Builder, leaf: int) -> bool:
-    """Whether a leaf jumps."""
-    return any(True for _ in _steps(builder, leaf))
+    """Whether a leaf jumps, from one side of a condition to the other: not on the condition alone."""
+    return any(True for _ in _steps(builder, leaf, across=True))
+
+
+def is_between(builder: Builder, leaf: int) -> bool:
+    """Whether a leaf is between its sides where its conditions are zero, by its form: linear in all its signs.
+
+    A choice has the value of a side there, `sign` has one of its own.
+    """
+    stepped: set[int] = set()
+    parts = live(builder.nodes, [leaf])
+    for part in parts:
+        operation, arguments, _ = builder.nodes[part]
+        found = [argument in stepped for argument in arguments]
+        if operation == "sign" and not builder.uniform[part] and not any(found):
+            stepped.add(part)
+        elif any(found):
+            once = (operation == "mul" and not all(found)) or (operation == "div" and not found[1])
+            if not once and operation not in {"add", "neg"}:
+                return False
+            stepped.add(part)
+    return not stepped or builder.steps.isdisjoint(parts)
 
 
 def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
@@ -89,18 +110,18 @@ def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
     return builder.make(operation, first, second)
 
 
-def _steps(builder: Builder, leaf: int) -> Any:
+def _steps(builder: Builder, leaf: int, *, across: bool = False) -> Any:
     """The choices in a leaf at which it jumps or whose sides are defined on their own, those of the outside first."""
     for part in reversed(live(builder.nodes, [leaf])):
         operation, arguments, _ = builder.nodes[part]
         if operation == "sign" and not builder.uniform[part]:
-            if _jumps(builder, leaf, part, arguments[0], builder.const(1), builder.const(-1)):
+            if _jumps(builder, leaf, part, arguments[0], builder.const(1), builder.const(-1), across):
                 yield part
         elif operation == "select" and part in builder.steps:
             condition, (yes, no) = builder.sub(*arguments[:2]), arguments[2:]
-            if builder.uniform[condition]:
+            if builder.uniform[condition] or (across and formal_sign(builder, condition) > 0):
                 continue
-            if _is_partial(builder, yes, no) or _jumps(builder, leaf, part, condition, yes, no):
+            if _is_partial(builder, yes, no) or _jumps(builder, leaf, part, condition, yes, no, across):
                 yield part
 
 
@@ -110,7 +131,7 @@ def _is_partial(builder: Builder, *numbers: int) -> bool:
     for part in live(builder.nodes, numbers):
         operation, arguments, _ = builder.nodes[part]
         if operation == "select" and part in builder.steps and formal_sign(builder, builder.sub(*arguments[:2])) > 0:
-            checks[part] = arguments[2]
+            checks[part] = replaced(builder, arguments[2], checks)
     for part in live(builder.nodes, [replaced(builder, number, checks) for number in numbers]):
         operation, arguments, _ = builder.nodes[part]
         if operation == "undefined":
@@ -130,8 +151,11 @@ def _is_undefined(builder: Builder, number: int) -> bool:
     return found[number]
 
 
-def _jumps(builder: Builder, leaf: int, step: int, condition: int, yes: int, no: int) -> bool:
-    """Whether a leaf jumps where a condition in it changes its sign, as points show; so if none of these is found."""
+def _jumps(builder: Builder, leaf: int, step: int, condition: int, yes: int, no: int, across: bool) -> bool:
+    """Whether a leaf jumps where a condition in it changes its sign, as points show; so if none of these is found.
+
+    What the condition decides is compared in one point, or `across` it, each on its side, which hides thin sets.
+    """
     if builder.value(condition) is not None:
         return True
     program = builder.program(
@@ -158,8 +182,12 @@ def _jumps(builder: Builder, leaf: int, step: int, condition: int, yes: int, no:
         value = at(middle)["condition"] + [0.0] * POINTS
         for k, (first, now) in enumerate(zip(start, value, strict=True)):
             (low if first * now > 0 else high)[k] = middle[k]
-    found = at(low)
-    ups, downs = found["0"] + [0.0] * POINTS, found["1"] + [0.0] * POINTS
+    near = at(low)
+    far = at([min(1.0, share + BESIDE) for share in high]) if across else near
+    ups, downs = (
+        [here if (first > 0) == upper else there for first, here, there in zip(start, *ends, strict=True)]
+        for upper, ends in ((k == "0", [found[k] + [0.0] * POINTS for found in (near, far)]) for k in "01")
+    )
     gaps = [
         abs(up - down) > CONTINUOUS * (1 + abs(up) + abs(down))
         for cross, up, down in zip(crossed, ups, downs, strict=True)

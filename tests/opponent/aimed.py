@@ -29,6 +29,7 @@ ROW = y - SawtoothWave(x, sp.S.One) / 4
 LEFT_CUT, WAIST = conjunction(BALL, x + Q(1, 2)), 1 - Abs(z) - x**2 - 2 * y**2
 SLIVER = conjunction(sqrt(x) - 400 * x - y, sqrt(x) + y)  # arcs that leave one end and meet again at x = 1/40000
 BEAK = conjunction(sqrt(x) * x - y, sqrt(x) * x + y)
+LEAP = (sign(x) + sign(x) ** 2) / 2  # 1 where x > 0, else 0; no gate, as sign might have a value of its own there
 NO_SCREW = 1 - x**2 - y**2 - sp.sin(z) / 4 - Abs(z - Q(1, 2)) / 8
 
 # A letter, its value, and its range.
@@ -84,8 +85,11 @@ PLANE = [
     (disjunction(DISC, -DISC), "broken", WIDE),
     (conjunction(DISC, -DISC), "broken", WIDE),
     # ends and jumps
-    (Piecewise((y, x > 0), (y - 1, True)), "broken", WIDE),
-    (y + sign(x - Q(1, 3)) / 8, "broken", WIDE),
+    (y - LEAP, "broken", WIDE),
+    (y - (3 + x) * LEAP, "broken", WIDE),
+    (y + LEAP.subs(x, x - Q(1, 3)) / 8, "broken", WIDE),
+    (Piecewise((y, x > 0), (y - 1, True)), "G0", WIDE),
+    (y + sign(x - Q(1, 3)) / 8, "G0", WIDE),
     (Piecewise((y + Q(18, 100), x > 0), (y + Q(2, 10), True)), "broken", ((-1, 1), (-1, -0.19))),
     (Piecewise((y, x > 0), (y - Q(1, 10**30), True)), "broken", WIDE),
     # small defects
@@ -139,7 +143,7 @@ PLANE = [
     (conjunction(-x - Q(1, 1000), x + y / 10 - Q(1, 1000)), "analytic", ((-1, 1), (0.03, 1))),
     (R0m(1).conjunction(y, x + 5), "analytic", WIDE),
     (Piecewise((y - sqrt(2) / 2, x > 0), (y - sqrt(2) / 2 - Q(1, 10**90), True)), "broken", WIDE),
-    (Piecewise((y - 3 - x, x > 0), (y, True)), "broken", WIDE),
+    (Piecewise((y - 3 - x, x > 0), (y, True)), "G0", WIDE),
     (y - x**2 - Q(1, 10**90) * Abs(x - sqrt(2) / 2), "G0", WIDE),
     (conjunction(x, y + x / 3), "analytic", ((1e-300, 1), (-1, 1.2))),
     (disjunction(r - Q(1, 2), Q(1, 4) - x**2 - 2 * y**2), "broken", WIDE),

@@ -26,10 +26,26 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 import sympy as sp
-from sympy import Abs, Max, Min, Piecewise, sign, sqrt
+from sympy import Abs, Max, Min, Piecewise, sqrt
 
 from opponent import aimed
-from opponent.aimed import BALL, BEAK, DISC, FOLDED, HIDDEN, LEFT_CUT, NO_SCREW, ROW, SLIVER, SPIRAL, WAIST, C, Q, r
+from opponent.aimed import (
+    BALL,
+    BEAK,
+    DISC,
+    FOLDED,
+    HIDDEN,
+    LEAP,
+    LEFT_CUT,
+    NO_SCREW,
+    ROW,
+    SLIVER,
+    SPIRAL,
+    WAIST,
+    C,
+    Q,
+    r,
+)
 from rsym import conjunction, disjunction, x, y, z
 from rsym.bounds.balls import arb
 from rsym.model.powers import AbsolutePower
@@ -429,9 +445,9 @@ AIMS = {
     "classes: no switch has a value of its own": (_SLIT,),
     "resolution: no switch has a value of its own": (_SLIT,),
     "deciding: sheets keep away from their side": (z - Abs(x) / 10,),
-    "joints: omega is continuous everywhere": (Piecewise((y - 3 - x, x > 0), (y, True)),),
+    "joints: omega is continuous everywhere": (y - (3 + x) * LEAP,),
     "cusps: what has no gradient is one": (z**4 - x**2 - y**2,),
-    "breaks: what leaps is empty": (Piecewise((y, x > 0), (y - 1, True)), y + sign(x - Q(1, 3)) / 8),
+    "breaks: what leaps is empty": (y - LEAP, y + LEAP.subs(x, x - Q(1, 3)) / 8),
     "everywhere: sheets never meet": (z - Max(x + C - Q(27, 10), 0) / 4,),
     "everywhere: there is always a boundary": (z - C,),
     "root classes: all is of the fourth order": (z - x * r,),

@@ -9,6 +9,7 @@ from scipy.optimize import minimize
 import rsym
 from rsym import x, y, z
 from rsym.bounds.enclosures import ranges_of
+from rsym.sampling.extent import outer_bounds
 from rsym.verify.bodies import study_body
 from rsym.verify.boxes.local import Model
 from rsym.verify.cover.bending import bending, bent, contraction
@@ -18,7 +19,8 @@ from rsym.verify.cover.simplest import simplest
 
 
 def bending_of(shape):
-    study = study_body(shape, shape.bounds, ranges_of(shape.letters, None))
+    letters = ranges_of(shape.letters, None)
+    study = study_body(shape, outer_bounds(shape, None, letters), letters)
     return bending(study.images, study.found)
 
 

@@ -17,7 +17,8 @@ def body(expression, bounds=WINDOW, budget=5_000):
     return report_body(study_body(Shape(expression, (x, y, z), bounds=bounds), bounds, {}, budget=budget))
 
 
-# A choice may jump across zero where neither of its branches vanishes: half a ball, its flat side without a zero.
+# A choice may jump across zero where neither of its branches vanishes: a cut ball, its flat side without a zero, which
+# is the boundary all the same and meets the sphere in an edge.
 JUMPS = {
     "choice of signs": rsym.conjunction(BALL, sp.Piecewise((1, x > Q(1, 10)), (-1, True))),
     "choice of a sheet": sp.Piecewise((BALL, x > Q(1, 10)), (-1, True)),
@@ -29,7 +30,18 @@ JUMPS = {
 @pytest.mark.parametrize("name", JUMPS)
 def test_a_jump_across_zero_is_no_smooth_boundary(name):
     report = body(JUMPS[name])
-    assert report.verdict in ("REFUTED", "UNDECIDED")
+    assert (report.verdict, report.continuity) == ("REFUTED", "G0")
+    assert any(curve.proved for curve in report.curves)
+
+
+# 1 where u > 0 and -1 elsewhere, written so that a sign might have a value of its own on u = 0: this stays a choice.
+STEP = sp.sign(x - Q(1, 10)) + sp.sign(x - Q(1, 10)) ** 2 - 1
+
+
+@pytest.mark.parametrize("omega", [rsym.conjunction(BALL, STEP), BALL * (STEP + 1) / 2 + (STEP - 1) / 2])
+def test_a_jump_that_stays_in_its_leaf_is_left_open(omega):
+    report = body(omega)
+    assert report.verdict in ("REFUTED", "UNDECIDED", "DEGENERATE")
     assert len(report.cover.undecided)
 
 

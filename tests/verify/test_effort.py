@@ -65,7 +65,8 @@ def test_whenever_the_time_ends_what_is_said_is_true(clock, name):
 def test_with_no_time_nothing_is_certified():
     for name in ("disc", "ball", "half a ball"):
         report = rsym.verify_smoothness(shape_of(name), method="auto" if name in PLANE else "space", timeout=0)
-        assert (report.verdict, report.statements[-1]) == ("UNDECIDED", (ENDED, False))
+        assert report.verdict == "UNDECIDED"
+        assert (ENDED, False) in report.statements
         assert len(report.cover.undecided)
 
 

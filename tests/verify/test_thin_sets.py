@@ -6,6 +6,7 @@ and the boundary is whole where `at` is zero on x = 0 at the same points as the 
 
 import pytest
 import sympy as sp
+from numpy.testing import assert_allclose
 
 import rsym
 from rsym import x, y, z
@@ -92,6 +93,7 @@ def test_a_boundary_that_goes_on_through_a_line_is_certified(form, name):
 
 THIN = {u: 1 - sign(u) ** 2 for u in (x, y, z, x - y, x + 2 * y)}  # 1 where u is 0, else 0
 THIRD = sp.Rational(1, 3)
+RIGHT = (sign(x) + sign(x) ** 2) / 2  # 1 where x > 0, else 0; no gate, as sign might have a value of its own there
 
 
 @pytest.mark.parametrize(
@@ -103,9 +105,9 @@ THIRD = sp.Rational(1, 3)
             DISC + sp.Rational(5, 4) * THIN[x],
             {((0, -1), "end"), ((0, 1), "end"), ((0, -1.5), "isolated point"), ((0, 1.5), "isolated point")},
         ),
-        (y - Piecewise((0, x < 0), (1, True)), {((0, 0), "end"), ((0, 1), "end")}),
-        (Piecewise((DISC, x < 0), (-1, True)), {((0, -1), "end"), ((0, 1), "end")}),
-        (Piecewise((DISC, x <= 0), (1, True)), {((0, -1), "end"), ((0, 1), "end")}),
+        (y - RIGHT, {((0, 0), "end"), ((0, 1), "end")}),
+        (DISC * (1 - RIGHT) - RIGHT, {((0, -1), "end"), ((0, 1), "end")}),
+        (DISC * (1 - RIGHT) + RIGHT, {((0, -1), "end"), ((0, 1), "end")}),
         (y - 5 + 5 * THIN[x], {((0, 0), "isolated point")}),
     ],
 )
@@ -117,6 +119,45 @@ def test_where_a_boundary_breaks_is_proved_and_located(expression, kinds):
     for defect in proved:
         near = [kind for point, kind in kinds if sp.Point(*point).distance(sp.Point(*defect.point)) < 1e-9]
         assert near == [defect.kind]
+
+
+@pytest.mark.parametrize(
+    ("expression", "corners"),
+    [
+        (y - Piecewise((0, x < 0), (1, True)), {(0, 0), (0, 1)}),
+        (Piecewise((DISC, x < 0), (-1, True)), {(0, -1), (0, 1)}),
+        (Piecewise((DISC, x <= 0), (1, True)), {(0, -1), (0, 1)}),
+        (y + sign(x - THIRD) / 8, {(THIRD, -0.125), (THIRD, 0.125)}),
+    ],
+)
+def test_a_boundary_goes_on_along_a_jump_over_zero(expression, corners):
+    """The inside ends at the jump, on a straight line that meets the arcs at right angles."""
+    report = plane(expression)
+    assert (report.verdict, report.continuity) == ("REFUTED", "G0")
+    assert all(one.kind == "corner" and one.proved for one in report.defects)
+    assert_allclose([one.tangent_jump for one in report.defects], 90, atol=1e-9)
+    found = sorted(one.point for one in report.defects)
+    assert_allclose(found, sorted([float(part) for part in corner] for corner in corners), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "expression", [Piecewise((DISC, x < 1.5), (1, True)), Piecewise((1, x < 0), (-1, True)), sign(x), sign(DISC)]
+)
+def test_a_jump_over_zero_along_a_smooth_line_is_certified(expression):
+    """A disc and, apart from it, a half-plane; a half-plane; a disc."""
+    report = plane(expression)
+    assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize(
+    "sides", [(DISC, -1, 2 * DISC), (-DISC, 1, -2 * DISC), (2 * DISC, -1, 3 - 3 * x**2 - 3 * y**2)]
+)
+def test_a_jump_with_a_value_of_its_own_is_not_certified(form, sides):
+    """The two sides have one sign, and differ: the leaf jumps, and on the line between them it has the other sign."""
+    report = plane(FORMS[form](*map(sp.sympify, sides), x), budget=4000)
+    assert report.verdict in {"DEGENERATE", "UNDECIDED"}, str(report)
 
 
 @pytest.mark.random
@@ -260,11 +301,11 @@ def test_curves_with_pieces_are_judged_by_their_pieces_or_refused():
 @pytest.mark.parametrize(
     "expression",
     [
-        Piecewise((DISC, x < 1.5), (1, True)),
+        DISC * (1 - RIGHT.subs(x, x - 1.5)) + RIGHT.subs(x, x - 1.5),
         Piecewise((DISC, x < 0), (DISC, x > 0), (DISC**2 + 1, True)),
         Piecewise((DISC, Or(x < 0, x > 0, y > 0.5, y < -0.5)), (-1, True)),
-        Piecewise((1, x < 0), (-1, True)),
-        sign(x),
+        1 - 2 * RIGHT,
+        sign(x) * (1 + sign(x)) - 1,
     ],
 )
 def test_a_leap_over_zero_is_not_certified(expression):
@@ -282,6 +323,7 @@ def test_the_inside_of_a_thin_set_counts(form):
 
 @pytest.mark.slow
 def test_a_leap_in_space():
-    report = space(Piecewise((BALL, x < 1.25), (1, True)))
+    late = RIGHT.subs(x, x - sp.Rational(5, 4))
+    report = space(BALL * (1 - late) + late)
     assert report.verdict == "UNDECIDED"
     assert any("jumps over zero" in sentence for sentence, proved in report.statements if proved)

@@ -131,7 +131,7 @@ def test_generators_alive_near_the_origin(expression, switches, hard):
         (trimming(x, 2 + y), 1),
         (x * trimming(x, 2 + y), 2),
         (sp.Piecewise((y, x < 0), (y - x**2, True)), 2),
-        (sp.Piecewise((y, x < 0), (y - 1, True)), 0),
+        (y - (sp.sign(x) + sp.sign(x) ** 2) / 2, 0),
         (abs(x) * sp.Max(x, -x), math.inf),  # x**2 on both sides
     ],
 )

@@ -56,9 +56,10 @@ class _Plan(NamedTuple):
 class _Formula:
     """What a model knows whatever its letters are: its program, as far as it has grown, and what was made of it."""
 
-    def __init__(self, shape: Shape, coordinates: tuple[str, ...], letters: tuple[str, ...]) -> None:
+    def __init__(self, shape: Shape, coordinates: tuple[str, ...], letters: tuple[str, ...], signs: bool) -> None:
         self.builder = Builder(coordinates, letters)
-        self.root = decided(self.builder, lower(self.builder, without_zeros(shape.expression)))
+        root = lower(self.builder, without_zeros(shape.expression))
+        self.root = decided(self.builder, root) if signs else root
         self.orders: dict[int, list[int]] = {}
         self.steps: dict[int, Step] = {}
         self.gradients: dict[int, tuple[int, ...]] = {}
@@ -75,7 +76,8 @@ class Model:
     `axes` are what a box has sides along: the coordinates, then the letters that range. Of a `body` of revolution
     the coordinates are those of the meridian, the second one the distance from the axis, with either sign. What is
     outside the `bounds`, if there are any, is nobody's concern. A model `like` another, of the same shape with other
-    letters, takes over its program and all that does not depend on them.
+    letters, takes over its program and all that does not depend on them. It has the `signs` of the shape alone, and
+    where these say more another value, unless the value is asked for.
     """
 
     def __init__(
@@ -86,10 +88,11 @@ class Model:
         body: bool = False,
         bounds: Box | None = None,
         like: Model | None = None,
+        signs: bool = True,
     ) -> None:
         self.body, self.bounds = body, bounds
         names = tuple(symbol.name for symbol in shape.coordinates)
-        self._formula: _Formula = _Formula(shape, names, tuple(letters)) if like is None else like._formula
+        self._formula: _Formula = _Formula(shape, names, tuple(letters), signs) if like is None else like._formula
         self.builder, self.root = self._formula.builder, self._formula.root
         self.letters = dict(letters)
         self.axes = (*names, *(name for name, (low, high) in letters.items() if low != high))

@@ -165,7 +165,7 @@ def _model(shape: Shape, letters: Mapping[Any, Any] | None) -> Model:
         raise RsymError(
             f"the letter {ranges[0]} has a range; verify_normalisation takes numbers", code="range", remedy="a number"
         )
-    return Model(shape, values)
+    return Model(shape, values, signs=False)
 
 
 def _leaves(shape: Shape, derivatives: NormalDerivatives, order: int) -> tuple[LeafGate | int, list[NormalDerivatives]]:
