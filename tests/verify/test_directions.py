@@ -98,7 +98,7 @@ def test_what_is_no_curve(omega, kind, branches):
         conjunction(x, y) * sp.sqrt(1 - 2 / (2 + x)),
         conjunction(x, y) / y,
         conjunction(x, y) * (sp.sign(x) + sp.Rational(1, 2)),  # has a jump
-        conjunction(x, y) * sp.sign(x - 2 * y),
+        conjunction(x, y) * (sp.sign(x - 2 * y) ** 2 + sp.sign(x - 2 * y) - sp.Rational(1, 2)),
         sp.Piecewise((x + y, x > y), (y - x, True)),
         sp.Max(conjunction(x, y), sp.sign(y) - sp.Rational(1, 2)),
         sp.Piecewise((conjunction(x, y), sp.sign(y) < sp.Rational(1, 2)), (x, True)),
@@ -110,6 +110,12 @@ def test_what_is_no_curve(omega, kind, branches):
 )
 def test_nothing_is_claimed_where_there_is_no_such_proof(omega):
     assert proved(omega) is None
+
+
+def test_a_factor_that_is_a_sign_is_a_curve_of_the_boundary():
+    """Both axes bound the quadrant, and the line through it has the body on one side: four rays and two quadrants."""
+    node = proved(conjunction(x, y) * sp.sign(x - 2 * y))
+    assert (node.kind, node.branches, node.proved) == ("node", 4, True)
 
 
 def tree(rng, leaves, depth):
