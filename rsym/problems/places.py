@@ -156,4 +156,4 @@ def on_shape(
     values = field(points[there])
     found = np.full((len(values), len(points)), np.nan)
     found[:, there] = values
-    return found.reshape(-1, *arrays[0].shape)
+    return found.reshape(len(values), *arrays[0].shape)

@@ -41,7 +41,7 @@ def test_points_have_the_colours_of_their_residuals():
 
 
 def test_points_without_a_residual_are_grey_crosses():
-    shape = rsym.Shape(sp.sqrt(rsym.x) + a - y, (rsym.x, y), letters={a: 1})
+    shape = rsym.Shape(rsym.x**b + a - y, (rsym.x, y), letters={a: 1, b: 0.5})
     drawn = rsym.plot_fit(rsym.fit(shape, [[1, 2.5], [4, 3.6], [-1, 1], [2, 3]], [a]), resolution=32)
     assert len(drawn.get_array()) == 3
     assert any(len(one.get_offsets()) == 1 for one in drawn.axes.collections)
