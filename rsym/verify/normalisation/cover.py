@@ -25,6 +25,7 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.registry import default_backend
 from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import Bounds, IntervalFunction
+from rsym.logic.sign_form import Gate
 from rsym.logic.stripping import Signed, bare, factor
 from rsym.program.builder import Builder
 from rsym.sampling.progress import Effort
@@ -32,7 +33,7 @@ from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISION, Box, side
 from rsym.verify.cover.covering import OFF_CENTRE
 from rsym.verify.normalisation.derivatives import NormalDerivatives
-from rsym.verify.normalisation.leaves import LeafGate, active, crosses
+from rsym.verify.normalisation.leaves import active, crosses
 
 COARSEST = 8  # boxes along the extent before a bound is tried: on wider ones it would be in vain
 # Nodes of the deviations and their gradients. The program of their bounds has a dozen times as many: at the first
@@ -65,7 +66,7 @@ def feasible_order(derivatives: NormalDerivatives) -> int:
 
 
 def cover_boundary(
-    tree: LeafGate | int,
+    gates: Sequence[Gate],
     leaves: Sequence[NormalDerivatives],
     bounds: Box,
     *,
@@ -76,12 +77,13 @@ def cover_boundary(
 ) -> NormalCover:
     """Subdivide until every box is free of the boundary, has bounds below the tolerance, or is too small.
 
-    `tree` is how omega is made of its leaves. `work` limits the number of boxes times nodes; it is spent as well when
+    `gates` are how omega is made of its leaves. `work` limits the number of boxes times nodes; it is spent as well when
     the time is over.
     """
     effort, allowed = effort or Effort(), work
     order = min(map(feasible_order, leaves))
-    enclosures = [Enclosure(leaf, order) for leaf in leaves]
+    made = {leaf: Enclosure(leaf, order) for leaf in dict.fromkeys(leaves)}
+    enclosures = [made[leaf] for leaf in leaves]
     region = np.array(bounds, np.float64)
     extent = float((region[:, 1] - region[:, 0]).max())
     boxes, examined = halves(region[None], OFF_CENTRE), 0
@@ -96,7 +98,8 @@ def cover_boundary(
         examined += len(boxes)
         work -= len(boxes) * sum(enclosure.level_cost for enclosure in enclosures)
         width = float((boxes[:, :, 1] - boxes[:, :, 0]).max())
-        needed = active(tree, [enclosure.level(boxes) for enclosure in enclosures])
+        levels = {enclosure: enclosure.level(boxes) for enclosure in made.values()}
+        needed = active(gates, [levels[enclosure] for enclosure in enclosures])
         kept = needed.any(axis=1)
         boxes, analytic, needed = boxes[kept], analytic[kept], needed[kept]
         if width * COARSEST <= extent:

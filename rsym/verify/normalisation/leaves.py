@@ -9,14 +9,14 @@ are a point at most in the plane, a curve in space: all other points of the boun
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 import sympy as sp
 
-from rsym.analysis.contracts.table import promise
+from rsym.analysis.contracts.table import known_compositions, promise
 from rsym.arrays import Flags, Floats
+from rsym.logic.sign_form import Gate, Operand, through
 from rsym.model.nodes import ZeroWith
 from rsym.program.lowering import lower_all
 from rsym.verify.boxes.local import Model
@@ -25,16 +25,13 @@ Ends = tuple[Floats, Floats]
 ROUNDING = 1e-15  # of the sum of the sizes: three float64 operations round by less
 
 
-@dataclass(frozen=True)
-class LeafGate:
-    """A conjunction (sign 1) or disjunction (-1) of leaves, by their numbers, and of others."""
-
-    sign: int
-    operands: tuple[LeafGate | int, ...]
+PICK = {"min": np.minimum, "max": np.maximum}
 
 
-def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[LeafGate | int, list[int]]:
-    """How leaves make up a function as far as its operations keep an order, and the node of each occurrence of one.
+def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[tuple[Gate, ...], list[int]]:
+    """The gates by which leaves make up a function as far as its operations keep an order, and each leaf's node.
+
+    A leaf that stands in several places is as many leaves.
 
     Examples
     --------
@@ -42,57 +39,63 @@ def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[LeafGate |
     >>> from rsym import x, y
     >>> shape = rsym.Shape(rsym.conjunction(x, -rsym.conjunction(y, 1 - x)), (x, y))
     >>> leaves_of(Model(shape, {}), shape.expression, 1)[0]
-    LeafGate(sign=1, operands=(0, LeafGate(sign=-1, operands=(1, 2))))
+    (Gate(operation='max', first=1, second=2), Gate(operation='min', first=0, second=3))
     >>> leaves_of(Model(shape, {}), shape.expression, 2)[0]
-    0
+    ()
     """
     found: list[sp.Expr] = []
+    joined: list[tuple[str, Operand, Operand]] = []
+    made: list[Operand] = []
+    stack: list[tuple[sp.Expr, int, int]] = [(known_compositions(expression), 1, 0)]
+    while stack:
+        part, sign, count = stack.pop()
+        if count:  # its operands are made
+            meets = (promise(part).truth is min) == (sign > 0)
+            first, *others = made[-count:]
+            for other in others:
+                joined.append(("min" if meets else "max", first, other))
+                first = Operand(True, len(joined) - 1)
+            made[-count:] = [first]
+        elif part.is_Mul and part.args[0] == -1 and len(part.args) == 2:
+            stack.append((part.args[1], -sign, 0))
+        elif isinstance(part, ZeroWith):
+            stack.append((part.args[1], sign, 0))
+        elif _keeps(part, order):
+            operands = promise(part).operands
+            stack.append((part, sign, len(operands)))
+            stack += [(operand, sign, 0) for operand in reversed(operands)]
+        else:
+            made.append(Operand(False, len(found)))
+            found.append(part if sign > 0 else -part)
+    gates = tuple(Gate(op, *(operand.after(len(found)) for operand in operands)) for op, *operands in joined)
+    return gates, lower_all(model.builder, found) if gates else [model.root]
 
-    def joined(part: sp.Expr, sign: int) -> LeafGate | int:
-        while part.is_Mul and part.args[0] == -1 and len(part.args) == 2:
-            part, sign = part.args[1], -sign
-        if isinstance(part, ZeroWith):
-            return joined(part.args[1], sign)
-        made = promise(part)
-        if made.truth in (min, max) and made.order([order] * len(made.operands)) == order:
-            meets = 1 if made.truth is min else -1
-            return LeafGate(sign * meets, tuple(joined(operand, sign) for operand in made.operands))
-        found.append(part if sign > 0 else -part)
-        return len(found) - 1
 
-    tree = joined(expression, 1)
-    return tree, [model.root] if isinstance(tree, int) else lower_all(model.builder, found)
+def _keeps(part: sp.Expr, order: int) -> bool:
+    """Whether a part is a conjunction or disjunction that keeps an order of normalisation."""
+    made = promise(part)
+    return made.truth in (min, max) and made.order([order] * len(made.operands)) == order
 
 
-def active(tree: LeafGate | int, ends: Sequence[Ends]) -> Flags:
-    """Which occurrences of leaves may make up the boundary in a box, (n, occurrences), by bounds of each.
+def active(gates: Sequence[Gate], ends: Sequence[Ends]) -> Flags:
+    """Which leaves may make up the boundary in a box, (n, leaves), by bounds of each.
 
     Examples
     --------
     >>> of = lambda low, high: (np.array([low]), np.array([high]))
-    >>> active(LeafGate(1, (0, 1)), [of(-1.0, 1.0), of(2.0, 3.0)])
+    >>> active([Gate("min", 0, 1)], [of(-1.0, 1.0), of(2.0, 3.0)])
     array([[ True, False]])
     """
-    flags = np.zeros((len(ends[0][0]), len(ends)), bool)
 
-    def over(part: LeafGate | int) -> Ends:
-        if isinstance(part, int):
-            return ends[part]
-        lower, upper = zip(*map(over, part.operands), strict=True)
-        pick = np.minimum if part.sign > 0 else np.maximum
-        return pick.reduce(lower), pick.reduce(upper)
+    def join(gate: Gate, first: Ends, second: Ends) -> Ends:
+        pick = PICK[gate.operation]
+        return pick(first[0], second[0]), pick(first[1], second[1])
 
-    def walk(part: LeafGate | int, needed: Flags) -> None:
-        if isinstance(part, int):
-            flags[:, part] = needed
-            return
-        for operand in part.operands:
-            lower, upper = over(operand)
-            walk(operand, needed & ~((lower > 0) | (upper < 0)))
-
-    lower, upper = over(tree)
-    walk(tree, ~((lower > 0) | (upper < 0)))
-    return flags
+    needed = [~((lower > 0) | (upper < 0)) for lower, upper in through(gates, ends, join)]
+    for gate, own in zip(reversed(gates), reversed(needed), strict=False):  # from the top down
+        needed[gate.first] &= own
+        needed[gate.second] &= own
+    return np.stack(needed[: len(ends)], axis=1)
 
 
 def crosses(first: Floats, second: Floats) -> Flags:
