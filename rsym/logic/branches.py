@@ -19,8 +19,8 @@ from types import MappingProxyType
 from rsym.logic.domains import replaced
 from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
 from rsym.logic.sign_form import gate_of, stripped
-from rsym.logic.steps import sign_gate
-from rsym.logic.stripping import bare, even_root, factor
+from rsym.logic.steps import chosen_gate, sign_gate
+from rsym.logic.stripping import even_root, unscaled
 from rsym.program.builder import Builder
 from rsym.program.program import live
 
@@ -104,7 +104,8 @@ class _Opening:
             return 1 if value > 0 else -1  # what is zero is not inside
         if b.nonnegative[number] and not b.uniform[number]:
             return 1
-        return known.get(bare(b, number), 0) * factor(b, number)
+        inner, sign = unscaled(b, number)
+        return known.get(inner, 0) * sign
 
     def _product(self, arguments: tuple[int, ...], sign: int, known: Known) -> int:
         for one, other in (arguments, arguments[::-1]):
@@ -169,13 +170,8 @@ class _Opening:
         for side, value in zip((1, -1), values, strict=True):
             believed = MappingProxyType({**known, **self._implied(condition, side)})
             made.append(self.opened(replaced(self.builder, number, {choice: value}), sign, believed))
-        sides = [
-            sign_gate(self.builder, "min", self.opened(condition, side, known), f)
-            for side, f in zip((1, -1), made, strict=True)
-        ]
-        return sign_gate(
-            self.builder, "max", sign_gate(self.builder, "max", *sides), sign_gate(self.builder, "min", *made)
-        )
+        conditions = [self.opened(condition, side, known) for side in (1, -1)]
+        return chosen_gate(self.builder, conditions, made)
 
     def _implied(self, condition: int, sign: int) -> dict[int, int]:
         """What has a sign where a node has one: of a maximum below 0 both operands."""
@@ -185,7 +181,8 @@ class _Opening:
         while stack:
             number, side = stack.pop()
             number, side = stripped(b, number, side)
-            found[bare(b, number)] = side * factor(b, number)
+            inner, sign_of = unscaled(b, number)
+            found[inner] = side * sign_of
             top = number if b.nodes[number].operation in TURNED else lifted_whole(b, number)
             operation, arguments, _ = b.nodes[top]
             if operation in TURNED and (operation == "min") == (side > 0):

@@ -16,7 +16,7 @@ from fractions import Fraction
 
 import sympy as sp
 
-from rsym.logic.stripping import bare, factor, scaled
+from rsym.logic.stripping import scaled, unscaled
 from rsym.program.builder import Builder
 from rsym.program.program import live
 from rsym.program.raising import raised
@@ -61,10 +61,10 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
             ends.setdefault(domain, []).append(part)
     if not ends:
         return leaf
-    known = {(bare(builder, guard), factor(builder, guard)) for guard in guards}
+    known = {unscaled(builder, guard) for guard in guards}
 
     def walled(domain: int, made: int, total: int, limit: int | None) -> int:
-        if (bare(builder, domain), factor(builder, domain)) in known:
+        if unscaled(builder, domain) in known:
             return made
         builder.walls.setdefault(domain, {})[total] = limit
         return builder.make("min", domain, made)

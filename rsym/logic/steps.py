@@ -8,7 +8,7 @@ Choices that are continuous stay in their leaf, which is one surface then.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Any
 
@@ -58,11 +58,14 @@ def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable
         builder.walls.setdefault(guard, {})
         return sign_gate(builder, "min", whole(guard, ()), whole(chosen, guards))
     sided = [whole(chosen, (*guards, guard)) for guard, chosen in kept]
-    first, second = (
-        sign_gate(builder, "min", whole(guard, ()), chosen) for (guard, _), chosen in zip(kept, sided, strict=True)
-    )
+    return chosen_gate(builder, [whole(guard, ()) for guard, _ in kept], sided)
+
+
+def chosen_gate(builder: Builder, conditions: Sequence[int], values: Sequence[int]) -> int:
+    """max(min(c, f), min(-c, g), min(f, g)) of c and -c, f and g, for the sign alone."""
     join = partial(sign_gate, builder)
-    return join("max", join("max", first, second), join("min", sided[0], sided[1]))
+    first, second = (join("min", *pair) for pair in zip(conditions, values, strict=True))
+    return join("max", join("max", first, second), join("min", *values))
 
 
 def has_steps(builder: Builder, leaf: int) -> bool:

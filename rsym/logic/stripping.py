@@ -200,15 +200,15 @@ def scaled(builder: Builder, number: int) -> tuple[int, Fraction]:
 
 def bare(builder: Builder, number: int) -> int:
     """The node without sign and constant factor: its zeros are the same."""
-    return _unscaled(builder, number).number
+    return unscaled(builder, number).number
 
 
 def factor(builder: Builder, number: int) -> int:
     """The sign of the constant factor that `bare` takes away."""
-    return _unscaled(builder, number).sign
+    return unscaled(builder, number).sign
 
 
-def _unscaled(builder: Builder, number: int) -> Signed:
+def unscaled(builder: Builder, number: int) -> Signed:
     """A node u and a sign: the node is u times a constant of that sign. Asked on every box, worked out once."""
     if number not in builder.scaled:
         inner, times = scaled(builder, number)

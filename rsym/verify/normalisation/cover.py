@@ -26,7 +26,7 @@ from rsym.backends.registry import default_backend
 from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import Bounds, IntervalFunction
 from rsym.logic.sign_form import Gate
-from rsym.logic.stripping import Signed, bare, factor
+from rsym.logic.stripping import Signed, unscaled
 from rsym.program.builder import Builder
 from rsym.sampling.progress import Effort
 from rsym.verify.boxes.generators import generators
@@ -229,7 +229,8 @@ def level_of(builder: Builder, number: int) -> Signed:
     """
     sign = 1
     while True:
-        number, sign = bare(builder, number), sign * factor(builder, number)
+        number, turned = unscaled(builder, number)
+        sign *= turned
         operation, arguments, _ = builder.nodes[number]
         if operation != "normalised":
             return Signed(number, sign)
