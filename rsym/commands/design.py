@@ -46,16 +46,13 @@ def run(options: argparse.Namespace) -> None:
     """Write the page; or serve it to this computer until Ctrl-C, with files, verdict and lint from Python."""
     import webbrowser
 
-    from rsym.errors import RsymError
+    from rsym.model.requirements import path_ending
     from rsym.output.design.pages import DesignPage, page_of
 
     shape, title, source = load_shape(options), model_file(options.model).stem, source_of(options)
     cells = options.resolution
     if options.output:
-        if not options.output.lower().endswith(".html"):
-            raise RsymError(
-                f"a page is written as .html, got {options.output!r}", code="suffix", remedy="end the name with .html"
-            )
+        path_ending(options.output, ".html", "a page is")
         print(DesignPage(page_of(shape, title=title, source=source, resolution=cells)).write(options.output))
         return
     from rsym.output.design.serving import DesignServer

@@ -128,6 +128,24 @@ def file_path(path: Any) -> Path:
     return Path(path)
 
 
+def path_ending(path: Any, suffix: str, what: str) -> Path:
+    """The path of a file, if it ends as it must: asked before the work, not after it.
+
+    Examples
+    --------
+    >>> path_ending("page.pdf", ".html", "a page is")
+    Traceback (most recent call last):
+    ...
+    rsym.errors.RsymError: a page is written as .html, got 'page.pdf'; remedy: end the name with .html
+    """
+    named = file_path(path)
+    if named.suffix.lower() != suffix:
+        raise RsymError(
+            f"{what} written as {suffix}, got {str(named)!r}", code="suffix", remedy=f"end the name with {suffix}"
+        )
+    return named
+
+
 def require_positive(name: str, value: Any, remedy: str) -> None:
     """Refuse a size that is no finite positive number.
 

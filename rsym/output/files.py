@@ -9,7 +9,7 @@ from typing import Any
 
 from rsym.atomic import target_of, write_atomically
 from rsym.errors import RsymError
-from rsym.model.requirements import file_path, require_kind
+from rsym.model.requirements import file_path, path_ending, require_kind
 from rsym.model.shape import Shape
 from rsym.model.wording import documented
 from rsym.output.design.pages import DesignPage, page_of
@@ -243,10 +243,5 @@ def write_features(
 
 
 def check_features(path: str | os.PathLike[str]) -> Path:
-    """The path of curves, if it ends in ``.dxf``: asked before the work, not after it."""
-    path = file_path(path)
-    if path.suffix.lower() != ".dxf":
-        raise RsymError(
-            f"features are written as .dxf, got {str(path)!r}", code="suffix", remedy="end the name with .dxf"
-        )
-    return path
+    """The path of curves, if it ends in ``.dxf``."""
+    return path_ending(path, ".dxf", "features are")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from rsym.errors import RsymError, warn
-from rsym.model.requirements import file_path
+from rsym.model.requirements import path_ending
 from rsym.model.shape import Shape
 from rsym.output.files import write
 from rsym.sampling.mesh import Mesh
@@ -99,13 +99,8 @@ def view(
 
 
 def check_page(path: str | os.PathLike[str]) -> Path:
-    """The path of a page, if it ends in ``.html``: asked before the work, not after it."""
-    page = file_path(path)
-    if page.suffix.lower() != ".html":
-        raise RsymError(
-            f"a page is written as .html, got {str(page)!r}", code="suffix", remedy="end the name with .html"
-        )
-    return page
+    """The path of a page, if it ends in ``.html``."""
+    return path_ending(path, ".html", "a page is")
 
 
 def _temporary() -> Path:
