@@ -23,7 +23,7 @@ _REMEDIES = {
     "Section": "what rsym.sections(shape, values) gives",
     "Spectrum": "what rsym.modes(shape, count) gives",
     "Torsion": "what rsym.torsion(shape) gives",
-    "ElasticSolution": "what rsym.elasticity(shape, conditions) gives",
+    "ElasticSolution": "what rsym.elasticity(shape, conditions, young=1, poisson=0.3) gives",
 }
 # What is drawn by a function of its own.
 _DRAWN = {

@@ -75,7 +75,7 @@ CALLS = {
     "rsym.write_sections(rsym.sections(shape, [0.0]), path)": SPACE,
     "rsym.modes(shape, count)": FIELD,
     "rsym.torsion(shape)": FIELD,
-    "rsym.elasticity(shape, conditions)": {"shape": DISC, "conditions": {"rim": rsym.fixed()}},
+    "rsym.elasticity(shape, conditions, young=1, poisson=0.3)": {"shape": DISC, "conditions": {"rim": rsym.fixed()}},
     "rsym.load(name)": {"name": "car"},
     "rsym.disc()": {},
     "rsym.smoothness_atlas(shape, letter_a, letter_b)": MADE,
@@ -102,7 +102,12 @@ CALLS = {
     "rsym.normalise(f, length=L)": {"f": DISC, "L": 2},
 }
 SLOW = {
-    *("rsym.modes(shape, count)", "rsym.torsion(shape)", "rsym.elasticity(shape, conditions)", "rsym.fairness(shape)"),
+    *(
+        "rsym.modes(shape, count)",
+        "rsym.torsion(shape)",
+        "rsym.elasticity(shape, conditions, young=1, poisson=0.3)",
+        "rsym.fairness(shape)",
+    ),
     *("rsym.smoothness_atlas(shape, letter_a, letter_b)", "rsym.compare_designs(shape, designs)"),
     *("rsym.mesh(shape)", "rsym.mesh(rsym.extrude(shape, 0, 1))", "rsym.write(rsym.mesh(shape), path)"),
     *("rsym.render(shape)", "rsym.plot_fields(shape)", "rsym.repair(shape)"),

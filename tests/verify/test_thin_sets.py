@@ -76,9 +76,8 @@ def test_every_form_has_the_value_that_it_was_given(form):
 @pytest.mark.parametrize("name", BROKEN)
 def test_a_boundary_that_breaks_on_a_line_is_degenerate(form, name):
     report = plane(FORMS[form](*BROKEN[name], x))
-    product = (form, name) == ("modulus", "line, all zero")  # y*sign(x)**2, in which two factors are zero
-    assert report.verdict == ("UNDECIDED" if product else "DEGENERATE"), str(report)
-    assert report.continuity == ("unknown" if product else "broken")
+    assert report.verdict == "DEGENERATE", str(report)
+    assert report.continuity == "broken"
     assert {defect.kind for defect in report.defects if defect.proved} <= {"end", "isolated point"}
 
 
