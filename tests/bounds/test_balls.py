@@ -122,6 +122,8 @@ TEXTBOOK = {
     "cos": mp.cos,
     "exp": mp.exp,
     "erf": mp.erf,
+    "asinh": mp.asinh,
+    "floor": mp.floor,
     "softplus": lambda a: max(a, 0) + mp.log1p(mp.exp(-abs(a))),
     "log": logarithm,
     "atan2": mp.atan2,
