@@ -326,6 +326,7 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     box = bounds_or_extent(shape, bounds, letters)
     sampler = plane_sampler(shape, "value", resolution=resolution, bounds=box, letters=letters)
     leaves = leaves_of(shape, (0, 1), {}, letters, box)
+    leaves.form.require_traced()
     lines = [np.empty((0, 2)), *outline(sampler, leaves)]
     start, end = (np.concatenate([line[part] for line in lines]) for part in (slice(None, -1), slice(1, None)))
     along = end - start
