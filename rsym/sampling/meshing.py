@@ -29,6 +29,7 @@ from rsym.sampling.mesh import Mesh, MeshRequest
 from rsym.sampling.mesh_file import SUFFIXES, MeshFile
 from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
+from rsym.sampling.undefined import warn_undefined
 
 if TYPE_CHECKING:
     from rsym.sampling.mesher import SharpMesher
@@ -147,7 +148,8 @@ def mesh(
     -----
     RsymWarning
         Once, for a surface that the bounds clip, samples exactly on it, walls and gaps thinner than a cell, and
-        pieces of less than three cells: in brief. ``.status`` keeps the facts, ``.status.remarks`` tells each.
+        pieces of less than three cells: in brief. ``.status`` keeps the facts, ``.status.remarks`` tells each. Once
+        where omega has no value in some of the bounds: there the parts that have one decide.
 
     Examples
     --------
@@ -170,16 +172,18 @@ def mesh(
     if into is not None:
         _check_streamed(into, method, cap, executor)
         request = MeshRequest(128, bounds, letters, cap, None, progress, force, Path(into), memory, backend)
-        return _told(_streamed(_sharp_of(shape, backend), request, resolution), start)
+        return _told(_streamed(_sharp_of(shape, backend), request, resolution), request, shape, start)
     request = MeshRequest(128, bounds, letters, cap, executor, progress, force, backend=backend)
-    return _told(_resolved(partial(_METHODS[method], shape), request, resolution), start)
+    result = _resolved(partial(_METHODS[method], shape), request, resolution)
+    return _told(result, request, shape, start)
 
 
 M = TypeVar("M", Mesh, MeshFile)
 
 
-def _told(result: M, start: float) -> M:
+def _told(result: M, request: MeshRequest, shape: Shape, start: float) -> M:
     """The mesh, after its findings were told."""
+    warn_undefined(shape, request.bounds, request.letters)
     elapsed = time.perf_counter() - start
     if logger.isEnabledFor(logging.INFO):
         logger.info("mesh in %.2f s: %s", elapsed, result.status)
