@@ -12,10 +12,10 @@ import argparse
 import random
 
 import sympy as sp
-from opponent.twins import Twins, hunt
-from opponent.undefined import _eighths, _plain
 
 import rsym
+from opponent.twins import Twins, hunt
+from opponent.undefined import eighths, plain_leaf
 from rsym import Shape, x, y, z
 
 LARGEST = 64  # no leaf is larger in the window
@@ -24,8 +24,8 @@ HALF = sp.Rational(1, 2)
 
 def stepped(chance, u, coordinates):
     """The leaf u with a jump, of its sign."""
-    k = _eighths(chance, 1, 3)
-    place = coordinates[0] - _eighths(chance, -1, 1) - sp.Rational(1, 32)
+    k = eighths(chance, 1, 3)
+    place = coordinates[0] - eighths(chance, -1, 1) - sp.Rational(1, 32)
     even = 1 + coordinates[1] ** 2
     return chance.choice(
         [
@@ -53,7 +53,7 @@ def stepped(chance, u, coordinates):
 
 def _tree(chance, depth, coordinates):
     if depth == 0:
-        u = _plain(chance, coordinates)
+        u = plain_leaf(chance, coordinates)
         return stepped(chance, u, coordinates), Shape(u, coordinates)
     (one, plain), (other, more) = (_tree(chance, depth - 1, coordinates) for _ in range(2))
     system = chance.choice((rsym.R0, rsym.R1))

@@ -13,19 +13,19 @@ import argparse
 import random
 
 import sympy as sp
-from opponent.twins import WALL, Twins, hunt
 
 import rsym
+from opponent.twins import WALL, Twins, hunt
 from rsym import Shape, x, y, z
 
 
-def _eighths(chance, low, high):
+def eighths(chance, low, high):
     return sp.Rational(chance.randint(8 * low, 8 * high), 8)
 
 
-def _plain(chance, coordinates):
+def plain_leaf(chance, coordinates):
     """A leaf with a value everywhere, of the size of 1."""
-    a, b, c = (_eighths(chance, -1, 1) + sp.Rational(1, 16) for _ in range(3))
+    a, b, c = (eighths(chance, -1, 1) + sp.Rational(1, 16) for _ in range(3))
     others = coordinates[2:]
     square = sum((one - place) ** 2 for one, place in zip(coordinates, (a, b, c), strict=False))
     return chance.choice(
@@ -81,7 +81,7 @@ def _meet(leaves, coordinates):
 def _tree(chance, depth, coordinates):
     """An expression, where it is surely true, where surely false, and its text."""
     if depth == 0:
-        u = _plain(chance, coordinates)
+        u = plain_leaf(chance, coordinates)
         if chance.random() < 0.45:
             one = Shape(u, coordinates)
             return u, one, ~one

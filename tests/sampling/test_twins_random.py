@@ -1,4 +1,4 @@
-"""Opponents of parts without a value and of steps: shapes against plain twins, two of each a day, ten in a whole run."""
+"""Opponents of parts without a value and of steps: shapes against plain twins, a few of each a day."""
 
 import os
 
