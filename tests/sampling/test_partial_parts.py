@@ -222,3 +222,9 @@ def test_lint_tells_which_part_has_no_value_where():
     assert "log(x - 2)" in str(found.places[0])
     assert found.point[0] < 2
     assert_close(found.range[0], 0.8, atol=0.05)
+
+
+def test_no_points_are_drawn_where_a_body_ends_with_its_domain():
+    shape = Shape(rsym.conjunction(sp.sqrt(x) - z, 4 - x**2 - y**2 - z**2), (x, y, z))
+    drawn = rsym.sample(shape, 300, over="boundary", rng=1, resolution=16, bounds=((-2.1, 2.1),) * 3)
+    assert (drawn.points[:, 0] > 1e-9).all()
