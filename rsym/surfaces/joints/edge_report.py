@@ -19,6 +19,7 @@ from rsym.surfaces.proofs.edge_proof import EdgeProof
 
 # From the weakest to the strongest; the words are those of `verify_smoothness`.
 CONTINUITIES: tuple[str, ...] = ("broken", "G0", "G1", "G2")
+SMOOTH_INSIDE = "Inside, all patches are twice differentiable; their normals are not examined."
 NUMERICAL = "Numerical: decided by samples, not proved"
 COLUMNS = ("patches", "class", "gap", "angle", "curvature jump", "worst at", "parameters")
 # Lines and names beyond these are counted, not shown: the report has them all.
@@ -102,8 +103,8 @@ class PatchMeeting:
     """A place where patches meet; `patches` are their places in the list given, `edges` the names of their edges.
 
     gap (length), angle (degrees, between the normals) and curvature_jump (one over length) are the greatest found.
-    continuity: "broken" (apart), "G0", "G1" or "G2" within the tolerances, and no more than what is refuted leaves.
-    undefined: samples without a normal. proof: what is proved of it, if a proof was asked for.
+    continuity: "broken" (apart), "G0", "G1" or "G2" within the tolerances, or what is refuted leaves. undefined:
+    samples without a normal. proof: what is proved of it, if a proof was asked for.
     """
 
     patches: tuple[int, ...]
@@ -222,10 +223,7 @@ class CommonEdge(PatchMeeting):
 
     @property
     def classes(self) -> tuple[str, ...]:
-        """The class at each of the points; where the curvatures are unknown no more than G1.
-
-        The point nearest to where a proof refutes the edge has no more than that leaves.
-        """
+        """The class at each point: G1 at most where curvatures are unknown; what is refuted counts at one."""
         room = self.tolerances
         pairs = ((self.gaps, room.gap), (self.angles, room.angle), (self.curvature_jumps, room.curvature))
         held = np.cumprod([values <= tolerated for values, tolerated in pairs], axis=0).sum(axis=0)
@@ -296,15 +294,13 @@ class EdgeReport(Report):
 
     @property
     def verdict(self) -> str | None:
-        """CERTIFIED, every edge and pole is proved G2; REFUTED, one is proved not to be; DEGENERATE; or UNDECIDED.
+        """CERTIFIED: all is proved G2, and inside no pieces meet; REFUTED: a place is not; DEGENERATE; or UNDECIDED.
 
-        It is UNDECIDED, too, where pieces of a patch may meet inside. None if nothing meets, or no proof was asked for.
+        None if nothing meets, or no proof was asked for.
         """
         found = {one.verdict for one in self.meetings} | ({UNDECIDED} if any(self.doubts) else set())
         asked = any(one.proof is not None for one in self.meetings)
-        return (
-            next((one for one in (REFUTED, DEGENERATE, UNDECIDED, CERTIFIED) if one in found), None) if asked else None
-        )
+        return next((one for one in (REFUTED, DEGENERATE, UNDECIDED, CERTIFIED) if asked and one in found), None)
 
     @property
     def proved(self) -> str | None:
@@ -366,11 +362,8 @@ class EdgeReport(Report):
         yield Sentence(f"Free: {first_of(free, NAMES)}." if free else "No edge is free.", False)
         yield Sentence(f"{NUMERICAL}; size {number(self.size, 4)}.", False)
         if self.verdict:
-            told = [f"inside patch {k} nothing is proved: {doubt}" for k, doubt in enumerate(self.doubts) if doubt]
-            if told:
-                yield Sentence(f"{first_of([told[0].capitalize(), *told[1:]], NAMES)}; split_patch cuts it.", False)
-            else:
-                yield Sentence("Inside, all patches are twice differentiable; their normals are not examined.", False)
+            told = [f"Inside patch {k} nothing is proved: {doubt}" for k, doubt in enumerate(self.doubts) if doubt]
+            yield Sentence(f"{first_of(told, NAMES)}; split_patch cuts it." if told else SMOOTH_INSIDE, False)
             yield Sentence(self._proofs(), self.verdict in {CERTIFIED, REFUTED})
 
     def _proofs(self) -> str:
