@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             code: int | None = options.command(options)
         sys.stdout.flush()
     except RsymError as error:
-        return _refused(str(error))
+        return _refused(_as_typed(str(error)))
     except KeyboardInterrupt:
         _say("interrupted; nothing unfinished was written")
         return INTERRUPTED
@@ -120,7 +120,26 @@ def _say(text: str) -> None:
 
 def _show_warning(message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
     """One line, without the place in the code where it was found."""
-    _say(f"warning: {message}")
+    _say(f"warning: {_as_typed(str(message))}")
+
+
+def _as_typed(text: str) -> str:
+    """Bounds that a message names, as whoever types a command gives them.
+
+    Examples
+    --------
+    >>> _as_typed("the inside goes on; remedy: give bounds=((xmin, xmax), ...), or cut it off")
+    'the inside goes on; remedy: give --bounds x=MIN:MAX,..., or cut it off'
+    >>> _as_typed("remedy: bounds=((-1.02, 1.02), (0, 2)), where the boundary lies; else bounds=... fit it")
+    'remedy: --bounds x=-1.02:1.02,y=0:2, where the boundary lies; else --bounds ... fit it'
+    """
+    text = text.replace("bounds=((xmin, xmax), ...)", "--bounds x=MIN:MAX,...").replace("bounds=...", "--bounds ...")
+
+    def ranges(found: re.Match[str]) -> str:
+        pairs = re.findall(r"\(([^(), ]+), ([^(), ]+)\)", found[0])
+        return "--bounds " + ",".join(f"{name}={low}:{high}" for name, (low, high) in zip("xyz", pairs, strict=False))
+
+    return re.sub(r"bounds=\((\([^()]+\)(, )?)+\)", ranges, text)
 
 
 def _refused(message: str) -> int:

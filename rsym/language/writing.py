@@ -28,7 +28,7 @@ SHORT = 12  # characters of a formula that is written as often as it stands
 
 
 def dumps(shape: Shape) -> str:
-    """A model text that `loads` reads as the same shape: the same program, letters, bounds and parts.
+    """A model text that `loads` reads as the same shape: the same program, letters, bounds if stated, and parts.
 
     Every operation is written as it stands; shared parts are written once and have names, those of the shape's own
     parts and definitions where they have one.

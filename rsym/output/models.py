@@ -22,7 +22,10 @@ LARGEST_FILE = 100_000
 
 
 def save(shape: Shape, path: str | PathLike[str]) -> Path:
-    """Write a shape as a model file that `load` reads as the same shape; see `dumps`.
+    """Write a shape as a model file that `load` reads as the same formula, letters, window and parts; see `dumps`.
+
+    The box that a piece brings is no statement and is not written: what `load` reads is looked at in its `extent`, and
+    compares as another shape.
 
     Parameters
     ----------

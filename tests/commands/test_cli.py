@@ -56,6 +56,15 @@ def test_a_section_and_another_format(tmp_path, model):
     assert b"<svg" in path.read_bytes()
 
 
+def test_a_command_names_bounds_as_they_are_typed(tmp_path, capsys):
+    path = tmp_path / "parabola.rf"
+    path.write_text("omega = y - x^2")
+    assert main(["measure", str(path)]) == 1
+    said = capsys.readouterr().err
+    assert "--bounds x=MIN:MAX" in said
+    assert "bounds=" not in said
+
+
 def test_bounds_of_the_line_stand_for_those_of_the_model(tmp_path, model):
     path = tmp_path / "body.stl"
     arguments = ["mesh", model, "-o", str(path), "--resolution", "16", "--bounds", "z=0:0.5,x=-2:2,y=-2:2"]

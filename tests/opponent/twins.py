@@ -25,6 +25,7 @@ NEAR = 1e-7
 CELLS = 48
 FINE = 16  # vertices of a line
 OFF, ACROSS, AROUND, TIPS = 1e-6, 1e-4, 128, 2  # how far, how far around, where; vertices at tips that nothing meets
+TOLERANCE = {2: 1e-6, 3: 1e-3}  # finer takes minutes beside walls; the errors that are stated hold anyway
 FEW = 0.01  # of rays, and of samples: those that pass an edge of the body
 DECIDED = ("CERTIFIED", "REFUTED")
 
@@ -91,7 +92,8 @@ def _sums(found):
 
 def measured(twins, seed):
     """Area and length, or volume and surface; walls bound, and do not count."""
-    mine, other = (rsym.measure(one, bounds=twins.bounds) for one in (twins.shape, twins.plain))
+    options = {"bounds": twins.bounds, "tolerance": TOLERANCE[twins.plain.dimension]}
+    mine, other = (rsym.measure(one, **options) for one in (twins.shape, twins.plain))
     pairs = {"inside": (mine.volume, other.volume) if twins.plain.dimension == 3 else (mine.area, other.area)}
     size = mine.surface if twins.plain.dimension == 3 else mine.length
     theirs = other.surface if twins.plain.dimension == 3 else other.length
