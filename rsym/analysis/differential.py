@@ -18,7 +18,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.choices import Choice
-from rsym.model.nodes import written_out
+from rsym.model.nodes import Fold, written_out
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, real_symbol
@@ -76,9 +76,27 @@ def _rule(part: sp.Basic, inner: list[sp.Expr], symbol: sp.Symbol) -> sp.Expr:
         return _extremum(part, inner)
     if isinstance(part, Choice):
         return Choice(*part.args[:2], *inner[2:])
+    if isinstance(part, Fold):
+        return _fold(part, inner)
     if isinstance(part, sp.Function):
         return sp.Add(*(d * part.fdiff(k + 1) for k, d in enumerate(inner) if d != 0))
     raise RsymError(f"cannot differentiate {type(part).__name__}", code="unsupported-function")
+
+
+def _fold(part: Fold, inner: list[sp.Expr]) -> sp.Expr:
+    """The chain rule from operand to operand: one factor a pair, where `fdiff` has those of all pairs that follow."""
+    count = part.parameter_count
+    for k, d in enumerate(inner[:count]):
+        if d != 0:
+            part.fdiff(k + 1)  # refuses
+    (first, *rest), (slope, *slopes) = part.operands, inner[count:]
+    head = part.alone(first)
+    made = slope if head == first else slope * head.fdiff()  # its absolute value, say
+    for operand, d in zip(rest, slopes, strict=True):
+        partials = part.partial(head, operand), part.partial(operand, head)
+        made = sp.Add(*(one * partial for one, partial in zip((made, d), partials, strict=True) if one != 0))
+        head = part.func(*part.parameters, head, operand)
+    return made
 
 
 def _power(part: sp.Pow, base: sp.Expr, exponent: sp.Expr) -> sp.Expr:

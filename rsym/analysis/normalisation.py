@@ -68,8 +68,8 @@ def normalise(shape: Shape, order: int = 1, length: Any = 1, *, keep_sign: bool 
     -------
     Shape
         The closed form, R-nodes kept, equal parts shared as objects but not by SymPy's printers: what is printed,
-        expanded or simplified grows beyond use. Distinct parts at orders 1, 2, 3: an ellipse 20, 94, 3 000;
-        the body of Fig. 11 59, 340, 36 000 (8 s); the car at order 2 17 000 (2 s), at order 3 out of reach. For numbers
+        expanded or simplified grows beyond use. Distinct parts at orders 1, 2, 3: an ellipse 20, 74, 1 200;
+        the body of Fig. 11 59, 310, 36 000 (8 s); the car at order 2 8 200 (5 s), at order 3 out of reach. For numbers
         the fields ``normalised_2``, ``normalised_3``, ``normalised_2_keep_sign`` and so on of `compile` are the same
         functions with L = 1, derived in the program: with their gradients 1.5 to 15 times smaller (the car at order 2
         takes 62 000 operations).

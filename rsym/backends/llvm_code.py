@@ -34,6 +34,9 @@ _COMPILING = threading.Lock()  # LLVM's global context is not safe against two c
 
 KIND = "kernels"
 KEPT_FROM = 40_000  # characters of text: what compiles in a thirtieth of a second is not worth a file
+# Registers for 36 000 nodes take 25 s to choose well, and more than in proportion; 1 s to choose at once, and then a
+# point takes 2.6 times as long: the longer way is worth it from some millions of points on.
+MOST_TUNED = 16_000  # nodes
 INTRINSICS = ("sqrt", "fabs")  # that the texts of rows call
 
 
@@ -281,7 +284,7 @@ class LlvmFunction:
     def __init__(self, program: Program, precision: Precision = FLOAT64) -> None:
         self.program, self.precision = program, precision
         self.source = llvm_source(program, precision)
-        self._engine = machine_code(self.source)
+        self._engine = machine_code(self.source, effort=0 if len(program.nodes) > MOST_TUNED else 2)
         address = self._engine.get_function_address("kernel")
         pointer = ctypes.c_void_p
         self._function = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, ctypes.c_int64)(address)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from fractions import Fraction
+from functools import partial, reduce
 
 import sympy as sp
 
@@ -54,20 +55,16 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
     >>> bounded(b, b.sub(b.make("log", x), y)) == b.sub(x, b.make("exp", y))
     True
     """
-    ends: dict[int, list[int]] = {}
-    for part in live(builder.nodes, [leaf]):
-        domain = _domain(builder, part)
-        if domain is not None:
-            ends.setdefault(domain, []).append(part)
+    ends = ends_of(builder, leaf)
     if not ends:
         return leaf
     known = {unscaled(builder, guard) for guard in guards}
 
-    def walled(domain: int, made: int, total: int, limit: int | None) -> int:
+    def walled(domain: int, made: int, total: int, limit: int | None, free: int | None = None) -> int:
         if unscaled(builder, domain) in known:
             return made
         builder.walls.setdefault(domain, {})[total] = limit
-        return builder.make("min", domain, made)
+        return builder.make("min", domain if free is None else builder.make("max", domain, free), made)
 
     if (solved := _solved(builder, leaf, ends, walled)) is not None:
         return solved
@@ -76,8 +73,18 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
     made = total
     for domain, parts in ends.items():
         wall = replaced(builder, domain, every, within=True)
-        made = walled(wall, made, total, _limit(builder, leaf, parts, ends))
+        made = walled(wall, made, total, _limit(builder, leaf, parts, ends), _free(builder, parts))
     return made
+
+
+def ends_of(builder: Builder, number: int) -> dict[int, list[int]]:
+    """What must not be negative where a node has a value, and the roots and logarithms in it for which that is so."""
+    ends: dict[int, list[int]] = {}
+    for part in live(builder.nodes, [number]):
+        domain = _domain(builder, part)
+        if domain is not None:
+            ends.setdefault(domain, []).append(part)
+    return ends
 
 
 def _solved(
@@ -137,12 +144,31 @@ def terms_of(builder: Builder, number: int) -> list[tuple[int, Fraction]]:
 def _domain(builder: Builder, part: int) -> int | None:
     """The node that is not negative where an operation has a value; None where that is everywhere, or for letters."""
     operation, arguments, _ = builder.nodes[part]
-    if operation == "pow" and (builder.value(arguments[1]) or Fraction(1)).denominator == 1:
-        return None  # of the exponents that a letter may have some are whole
+    if operation == "pow" and (builder.value(arguments[1]) or Fraction(1, 2)).denominator == 1:
+        return None
     if operation not in ROOTS or builder.uniform[arguments[0]]:
         return None
     proved = lowest(builder, arguments[0]) >= 0 or _is_square(builder, arguments[0]) or _chooses(builder, arguments[0])
     return None if proved else arguments[0]
+
+
+def _free(builder: Builder, parts: Sequence[int]) -> int | None:
+    """What is positive for letters at which powers have values for all bases; None if it depends on no letters."""
+    chosen = [_whole(builder, part, builder.const(-1), builder.const(1)) for part in parts]
+    whole = [one for one in chosen if one is not None]
+    return reduce(partial(builder.make, "min"), whole) if len(whole) == len(parts) else None
+
+
+def _whole(builder: Builder, part: int, no: int, yes: int) -> int | None:
+    """One of two nodes by whether the exponent of a power is whole, as that of a letter may be; None of others."""
+    operation, arguments, _ = builder.nodes[part]
+    if operation != "pow" or not builder.uniform[arguments[1]] or not _has_letter(builder, arguments[1]):
+        return None
+    return builder.select(arguments[1], builder.make("floor", arguments[1]), no, yes)
+
+
+def _has_letter(builder: Builder, number: int) -> bool:
+    return any(builder.nodes[part].operation == "input" for part in live(builder.nodes, [number]))
 
 
 def _chooses(builder: Builder, number: int) -> bool:
@@ -186,7 +212,9 @@ def replaced(builder: Builder, number: int, substitutes: Mapping[int, int], *, w
             made[part] = substitutes[part]
             continue
         if part in substitutes:
-            inner[0] = builder.abs(inner[0])
+            size = builder.abs(inner[0])
+            chosen = _whole(builder, part, size, inner[0])
+            inner[0] = size if chosen is None else chosen
         if tuple(inner) == arguments:
             made[part] = part
         elif operation == "powi":

@@ -124,11 +124,11 @@ def _steps(builder: Builder, leaf: int, *, across: bool = False) -> Any:
             condition, (yes, no) = builder.sub(*arguments[:2]), arguments[2:]
             if builder.uniform[condition] or (across and formal_sign(builder, condition) > 0):
                 continue
-            if _is_partial(builder, yes, no) or _jumps(builder, leaf, part, condition, yes, no, across):
+            if is_partial(builder, yes, no) or _jumps(builder, leaf, part, condition, yes, no, across):
                 yield part
 
 
-def _is_partial(builder: Builder, *numbers: int) -> bool:
+def is_partial(builder: Builder, *numbers: int) -> bool:
     """Whether one of some nodes may have no value somewhere, beside where its conditions have none."""
     checks: dict[int, int] = {}
     for part in live(builder.nodes, numbers):

@@ -18,6 +18,7 @@ from rsym.model.requirements import require_kind
 from rsym.output.looks import Look, levels_of_sizes, snapped
 from rsym.output.panels import colour_bar
 from rsym.output.pictures import require_axes
+from rsym.problems.corners.corners import inward_corners
 from rsym.problems.elastic.result import ElasticSolution
 from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
@@ -50,8 +51,8 @@ def plot_deformation(
     scale : number, optional
         s; without it the greatest displacement is a tenth of the body, and the title tells s.
     levels : sequence of float, optional
-        Of the stress; without them round ones from 0. Beside corners that point inwards it has no bound: colours end
-        at what all but a two hundredth of the body has.
+        Of the stress; without them round ones from 0 to its largest value. Beside corners that point inwards it has no
+        bound: colours then end at what all but a two hundredth of the body has.
     limits : pair of numbers, optional
         Of the stress, where the colours end.
     title : str, optional
@@ -98,7 +99,7 @@ def plot_deformation(
     if scale is None:
         scale = float(f"{SHOWN * size / greatest:.1g}") if greatest > 0 else 1.0
     look = Look(levels, limits, colour_map)
-    chosen = levels_of_sizes(look, stress, inside)
+    chosen = levels_of_sizes(look, stress, inside, omega.lattice, inward_corners(solution.shape))
     alone = ax is None
     if ax is None:
         import matplotlib.pyplot

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.image import AxesImage
 from numpy.typing import NDArray
 
+from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_shape
@@ -27,8 +28,9 @@ from rsym.program.fields import SIX, checked_fields
 from rsym.sampling.blanks import missing_boundary, undefined_picture
 from rsym.sampling.contours import LevelLines
 from rsym.sampling.level_lines import trace
-from rsym.sampling.plane import GIVEN, GivenField, PlaneSampler, checked_scalar, plane_sampler
+from rsym.sampling.plane import GIVEN, GivenField, PlaneSampler, checked_scalar, plane_sampler, plane_section
 from rsym.sampling.progress import Progress, tell
+from rsym.sampling.undefined import undefined_in
 
 # The Laplacian of what is harmonic is the error of its second derivatives: drawn where it is asked for.
 GIVEN_SHEET = ("value", "gradient_squared")
@@ -99,8 +101,8 @@ def plot_field(
     Warns
     -----
     RsymWarning
-        Where there is no boundary in the bounds, for a section outside the bounds of the shape, and for a field that
-        is undefined on most of the picture.
+        Where there is no boundary in the bounds, for a section outside the bounds of the shape, where omega has no
+        value in some of the picture, and for another field that is undefined on most of it.
 
     Examples
     --------
@@ -141,10 +143,7 @@ def plot_field(
         draw_parts(ax, omega)
     if alone:
         colour_bar(artist, ax)
-    undefined = undefined_picture(field, np.where(logic > 0, values, 0.0) if field_on is not shape else values)
-    for remark in (missing_boundary(shape, omega, logic, boundary), undefined):
-        if remark:
-            warn(remark)
+    _remark(shape, omega, logic, boundary, {field: values if field_on is shape else np.where(logic > 0, values, 0.0)})
     return artist
 
 
@@ -213,14 +212,22 @@ def plot_fields(
     drawn = page(figure, layout="compressed")
     Sheet(drawn, samples, look, named, sized=figure is None).draw(samples, progress)
     omega = samples.omega
-    remarks = [missing_boundary(shape, samples.sampler, omega, samples.boundary)]
-    remarks += [
-        undefined_picture(name, np.where(omega > 0, values, 0.0) if given else values)
-        for name, values in samples.fields.items()
-    ]
+    shown = {name: np.where(omega > 0, values, 0.0) if given else values for name, values in samples.fields.items()}
+    _remark(shape, samples.sampler, omega, samples.boundary, shown)
+    return whole(drawn)
+
+
+def _remark(
+    shape: Shape, omega: PlaneSampler, logic: Floats, boundary: LevelLines, fields: Mapping[str, Floats]
+) -> None:
+    """Warn of what a picture does not show: a boundary, omega, fields."""
+    flat, _ = plane_section(shape, {shape.coordinates[k].name: value for k, value in omega.fixed.items()})
+    gap = undefined_in(flat, omega.bounds, omega.letters)
+    there = np.ones(logic.shape, np.bool_) if gap is None or np.isnan(logic).all() else ~np.isnan(logic)
+    remarks = [missing_boundary(shape, omega, logic, boundary), "" if gap is None else str(gap)]
+    remarks += [undefined_picture(name, values[there]) for name, values in fields.items()]
     for remark in filter(None, remarks):
         warn(remark)
-    return whole(drawn)
 
 
 def _by_field(given: Any, names: Sequence[str], word: str) -> dict[str, Any]:

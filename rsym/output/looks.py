@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.output.paints import beyond, checked_limits, checked_map
+from rsym.sampling.lattice import Lattice
 
 COLOUR_MAP, TWO_SIDED = "viridis", "RdBu_r"
 # Singular spots reach any height; the colours span what lies between these shares of all samples.
 ROBUST_RANGE = (0.02, 0.98)
 SHARE_OF_SIZES = 0.995
+BESIDE = 0.05  # of the size of the picture: what lies that near to a point without bound belongs to it
 NEAR = 0.25  # of the span of what is usual: what has no singular spots is shown whole
 LEVEL_COUNT, SIDE_COUNT = 14, 7
 UNSEEN = 1e-3  # of the span of levels: what is beyond them by less is at their end, and no arrow says so
@@ -149,19 +151,21 @@ def robust_levels(values: Floats, *, whole: bool = False) -> Floats:
     return np.asarray(MaxNLocator(LEVEL_COUNT).tick_values(low, high))
 
 
-def levels_of_sizes(look: Look, values: Floats, inside: NDArray[np.bool_]) -> Floats:
-    """The levels of what is never negative and may have no bound: from 0 to what all but a few samples inside have.
+def levels_of_sizes(
+    look: Look, values: Floats, inside: NDArray[np.bool_], lattice: Lattice, unbounded: Floats
+) -> Floats:
+    """The levels of what is never negative, from 0 to its largest value inside.
 
-    Examples
-    --------
-    >>> sizes = np.append(np.linspace(0, 1, 1000), 1e9)
-    >>> levels_of_sizes(Look(), sizes, sizes >= 0)[[0, -1]]
-    array([0.  , 1.04])
+    Where that lies beside a point (n, 2) at which there is no bound they end at what all but a few samples have.
     """
-    within = values[inside & np.isfinite(values)]
-    if look.levels is not None or look.limits is not None or not within.size:
+    known = inside & np.isfinite(values)
+    if look.levels is not None or look.limits is not None or not known.any():
         return look.levels_of(values)
-    return robust_levels(np.linspace(0, np.quantile(within, SHARE_OF_SIZES)))
+    largest = np.unravel_index(np.argmax(np.where(known, values, -np.inf)), values.shape)
+    away = np.linalg.norm(np.reshape(unbounded, (-1, 2)) - lattice.points(np.array(largest)), axis=-1)
+    near = BESIDE * float(np.max(np.array(values.shape) * lattice.spacing))
+    high = float(np.quantile(values[known], SHARE_OF_SIZES) if (away < near).any() else values[largest])
+    return np.asarray(MaxNLocator(LEVEL_COUNT).tick_values(0.0, high if high > 0 else 1.0))
 
 
 def checked_levels(levels: Any) -> Floats:

@@ -264,7 +264,7 @@ def _checked(given: ArrayLike, dimension: int | None, name: str) -> Floats:
 def compare_patches(
     surfaces: Mapping[str, Patches],
     *,
-    colour_by: Sequence[str] = ("mean_curvature", "zebra"),
+    colour_by: str | Sequence[str] = ("mean_curvature", "zebra"),
     lines: Lines = 0,
     edges: bool = True,
     resolution: int | None = None,
@@ -279,7 +279,7 @@ def compare_patches(
     ----------
     surfaces : mapping
         Titles to patches, one or several each.
-    colour_by : sequence of str
+    colour_by : str or sequence of str
         The maps of `plot_patches`.
     lines, edges, resolution, elevation, azimuth, letters
         As for `plot_patches`.
@@ -311,8 +311,9 @@ def compare_patches(
         import matplotlib.pyplot
 
         figure = matplotlib.pyplot.figure()
-    gallery = Gallery(figure, len(colour_by), len(surfaces))
-    for name, row in zip(colour_by, gallery.axes, strict=True):
+    maps = (colour_by,) if isinstance(colour_by, str) else tuple(colour_by)
+    gallery = Gallery(figure, len(maps), len(surfaces))
+    for name, row in zip(maps, gallery.axes, strict=True):
         limits = map_range(list(surfaces.values()), name, resolution, letters) if name in MAPS else None
         for patches, ax in zip(surfaces.values(), row, strict=True):
             plot_patches(

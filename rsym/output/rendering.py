@@ -33,6 +33,7 @@ from rsym.sampling.hits import Hits
 from rsym.sampling.pencils import Cut
 from rsym.sampling.plane import fixed_coordinates
 from rsym.sampling.rays import Caster
+from rsym.sampling.undefined import warn_undefined
 
 SIGNAL = "#ff00c8"  # of rays that came to a limit: nothing else is of that colour
 LINE = 1.5e-3  # the width of lines, of the mean side of a picture; at least
@@ -107,7 +108,7 @@ def render(
     Warns
     -----
     RsymWarning
-        Where nothing of the body is seen, or rays are undecided.
+        Where nothing of the body is seen, rays are undecided, or omega has no value in some of the bounds.
 
     Examples
     --------
@@ -127,6 +128,7 @@ def render(
     view = framed(caster, camera, size)
     scene = Scene(caster, view, cuts)
     sight = scene.seen()
+    warn_undefined(shape, caster.bounds, letters)
     if count := int(np.count_nonzero(sight.hits.undecided)):
         warn(
             f"{counted(count)}: the body may have walls there that are thinner than rays tell; remedy: another camera, "

@@ -15,6 +15,7 @@ from rsym.model.requirements import require_kind
 from rsym.output.looks import Look, levels_of_sizes
 from rsym.output.panels import colour_bar, draw_levels, dress, thin_out
 from rsym.output.pictures import require_axes
+from rsym.problems.corners.corners import inward_corners
 from rsym.problems.torsion import Torsion
 from rsym.sampling.level_lines import trace
 from rsym.sampling.plane import plane_sampler
@@ -37,8 +38,8 @@ def plot_torsion(
     r"""The stress lines of a twisted shaft, over the size of the shear stress, for the shear modulus and the twist 1.
 
     A stress line is a level line of Prandtl's function u; their levels are equally spaced, so they are the denser the
-    larger the stress |grad u| is, which the colours show. Beside a corner that points inwards, where it has no bound,
-    the colours end at what all but a two hundredth of the section has.
+    larger the stress |grad u| is, which the colours show, to its largest value; beside a corner that points inwards,
+    where it has no bound, to what all but a two hundredth of the section has.
 
     Parameters
     ----------
@@ -93,7 +94,7 @@ def plot_torsion(
 
         _, ax = matplotlib.pyplot.subplots(layout="compressed")
     require_axes(ax)
-    levels = levels_of_sizes(look, stress, logic > 0)
+    levels = levels_of_sizes(look, stress, logic > 0, sampler.lattice, inward_corners(solution.shape))
     boundary = trace(omega, 0.0, values=logic)
     artist = draw_levels(ax, sampler, stress, levels, boundary, replace(look, levels=levels), logic, lined=False)
     _draw_lines(ax, omega, np.where(logic > 0, found["value"], np.nan), found["value"], lines)

@@ -26,7 +26,18 @@ from rsym.model.bounding import checked_bounds, hull, outwards
 from rsym.model.recent import recently, written
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, LeafBounds, cube, grid, halves, points, slabs
+from rsym.sampling.form_signs import (
+    Boxes,
+    FormBounds,
+    FormSigns,
+    LeafBounds,
+    check_parameters,
+    cube,
+    grid,
+    halves,
+    points,
+    slabs,
+)
 
 LARGEST, SMALLEST = 2.0**40, 2.0**-40  # 1e12, far beyond any model in any unit, and 1e-12
 DEEPEST = 9  # halvings of cones and slabs: a cone is then 1/256 of a cube's face
@@ -77,7 +88,9 @@ def _extent(shape: Shape, values: tuple[tuple[str, float], ...]) -> Bounds:
 
 def proved_signs(shape: Shape, letters: Mapping[Any, float] | None = None) -> FormSigns:
     """The signs of its form over boxes and cones, of a large one by tapes where the packages for them are there."""
-    return FormSigns(_leaf_bounds(shape), shape.letters.values_with(letters))
+    bounds, values = _leaf_bounds(shape), shape.letters.values_with(letters)
+    check_parameters(bounds.form, values)
+    return FormSigns(bounds, values)
 
 
 @recently(16, written)
@@ -147,6 +160,11 @@ def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any
 
     Over ranges the box is that around both ends and the middle: a window, which holds the boundary there alone.
 
+    Raises
+    ------
+    RsymError
+        ``parameter`` for letters with which an R-operation has no value: where nothing is known there is no proof.
+
     Examples
     --------
     >>> import rsym
@@ -154,11 +172,15 @@ def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any
     ((-1.0, 0.6000000000000001), (-1.0, 1.0))
     """
     require_shape(shape)
+    shares = {0 if low == high else share for low, high in letters.values() for share in SHARES} or {0}
+    places = [{name: float(low + share * (high - low)) for name, (low, high) in letters.items()} for share in shares]
+    if letters:
+        form = surface_form(shape)
+        for place in places:
+            check_parameters(form, place)
     stated = bounds if bounds is not None or shape.bounds is None or shape.box is None else shape.box.exact
     if stated is not None:
         return outwards(stated, shape.dimension)
-    shares = {0 if low == high else share for low, high in letters.values() for share in SHARES} or {0}
-    places = [{name: float(low + share * (high - low)) for name, (low, high) in letters.items()} for share in shares]
     boxes = [bounds_or_extent(shape, None, place) for place in places]
     found = hull(boxes)
     assert found is not None

@@ -18,7 +18,7 @@ from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate, SignForm, through
 from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
-from rsym.program.program import Program
+from rsym.program.program import Program, live
 
 
 @dataclass(frozen=True)
@@ -217,19 +217,62 @@ def joined_signs(gate: Gate, first: Signs, second: Signs) -> Signs:
 
 
 def check_parameters(form: SignForm, letters: Mapping[str, float]) -> None:
-    """An R-operation with an illegal parameter has no value, so its sign says nothing: refuse such letters."""
-    if not form.parameters:
-        return
-    program = form.builder.program({f"{k}": node for k, (_, node) in enumerate(form.parameters)})
-    values = interpret(program, letters)
-    for k, (operation, _) in enumerate(form.parameters):
-        legal = OPERATIONS[operation].parameter
-        if legal is not None and not legal.holds(values[f"{k}"]):
+    """Refuse letters with which an R-operation has no value: its sign would say nothing.
+
+    Those of a node must be legal; one that is written out, as a fillet is, chooses a formula without a value.
+    """
+    builder = form.builder
+    for operation, node in form.parameters:
+        value, legal = _values(builder, [node], letters)[node], OPERATIONS[operation].parameter
+        if legal is not None and not legal.holds(value):
             raise RsymError(
-                f"a parameter of {operation} is {float(values[f'{k}'])}, out of its range",
+                f"a parameter of {operation} is {value}, out of its range{_letters_of(builder, node, letters)}",
                 code="parameter",
                 remedy="-1 < alpha <= 1, m >= 1, p > 1",
             )
+    parts = live(builder.nodes, form.leaves)
+    choices = [part for part in parts if _is_chosen_by_letters(builder, part)]
+    if not choices:
+        return
+    values = _values(builder, [part for part in parts if builder.uniform[part]], letters)
+    without = {part for part, value in values.items() if np.isnan(value)}
+    zeros, infinite = ({part for part, value in values.items() if abs(value) == size} for size in (0, np.inf))
+    for part in parts:
+        operation, arguments, _ = builder.nodes[part]
+        needed: Sequence[int] = arguments if OPERATIONS[operation].strict else ()
+        if operation == "mul" and not zeros.isdisjoint(arguments):
+            (zeros if infinite.isdisjoint(arguments) else without).add(part)
+        if operation == "undefined":
+            without.add(part)
+        if part in choices:
+            needed = [arguments[2 if values[arguments[0]] > values[arguments[1]] else 3]]
+            if needed[0] in without:
+                raise RsymError(
+                    f"an operation has no value anywhere{_letters_of(builder, arguments[0], letters)}",
+                    code="parameter",
+                    remedy="of a fillet the radius is positive and the cosine between -1 and 1; other letters",
+                )
+        if not without.isdisjoint(needed):
+            without.add(part)
+
+
+def _values(builder: Builder, numbers: Sequence[int], letters: Mapping[str, float]) -> dict[int, float]:
+    """The values of nodes that depend on letters alone."""
+    found = interpret(builder.program({f"{number}": number for number in numbers}), letters)
+    return {number: float(found[f"{number}"]) for number in numbers}
+
+
+def _is_chosen_by_letters(builder: Builder, part: int) -> bool:
+    """Whether a node is one of two as letters have it."""
+    operation, arguments, _ = builder.nodes[part]
+    return operation == "select" and builder.uniform[arguments[0]] and builder.uniform[arguments[1]]
+
+
+def _letters_of(builder: Builder, node: int, letters: Mapping[str, float]) -> str:
+    """The letters that a node depends on, with their values."""
+    names = {str(builder.nodes[part].data) for part in live(builder.nodes, [node])}
+    told = [f"{name} = {letters[name]:g}" for name in builder.letters if name in names]
+    return f", with {', '.join(told)}" if told else ""
 
 
 def _program(builder: Builder, numbers: Sequence[int]) -> Program:

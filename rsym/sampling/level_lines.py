@@ -15,7 +15,8 @@ from rsym.model.shape import Bounds, Shape
 from rsym.sampling.contours import LevelLines, LevelLinesStatus, move_onto_level, told, turned_like, within
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.outlines import known_outline
-from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler
+from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler, plane_section
+from rsym.sampling.undefined import warn_undefined
 
 
 @overload
@@ -83,6 +84,11 @@ def level_lines(
     RsymError
         For a shape in space without a section, a zero set without end and no bounds, an unknown field.
 
+    Warns
+    -----
+    RsymWarning
+        Where omega has no value in some of the bounds: there the parts that have one decide.
+
     Examples
     --------
     >>> import numpy as np, rsym
@@ -106,6 +112,8 @@ def level_lines(
     if isinstance(shape, GivenField):
         inside = plane_sampler(shape.shape, "value", resolution=resolution, bounds=bounds, section=section, force=force)
         values = np.where(inside.values() >= 0, values, np.nan)
+    elif field == "value":
+        warn_undefined(plane_section(shape, section)[0], sampler.bounds, letters)
     found = tuple(trace(sampler, one, field, values=values, bounds=sampler.bounds) for one in wanted)
     return found if asked is level else found[0]
 

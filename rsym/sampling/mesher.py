@@ -118,6 +118,7 @@ class SharpMesher:
             clipped_at=tuple(side.name for k, side in enumerate(sides) if made.leaves[first + k]),
             capped=request.cap,
             sides=sides,
+            resolution=request.resolution,
             off_surface=made.strays,
             unresolved=missed,
             vertices=made.vertices,
@@ -176,7 +177,7 @@ class SharpMesher:
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not request.cap:
             triangles = triangles.some(triangles.leaf < first)
-        known = Findings(clipped_at=clipped, capped=request.cap, sides=sides)
+        known = Findings(clipped_at=clipped, capped=request.cap, sides=sides, resolution=request.resolution)
         find = partial(self._findings, known, triangles.vertices, surface.notes, surface.blocks, job)
         return Mesh(
             triangles.vertices,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import collections
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
@@ -136,6 +136,8 @@ class Findings:
         Whether flat caps close it there.
     sides : tuple of BoundsSide
         The sides of the bounds, all of them.
+    resolution : int or three ints, optional
+        Cells along the longest side, or along each axis.
     nudged_zeros : int
         Samples exactly on the surface, counted as inside.
     kept : int
@@ -151,6 +153,7 @@ class Findings:
     clipped_at: tuple[str, ...] = ()
     capped: bool = False
     sides: tuple[BoundsSide, ...] = ()
+    resolution: int | Sequence[int] | None = None
     nudged_zeros: int = 0
     kept: int = 0
     off_surface: OffSurface | None = None
@@ -196,6 +199,14 @@ class Findings:
     def finer(self) -> float | None:
         """How many times the resolution puts two cells across every unresolved wall and gap; None if there is none."""
         return max((suspect.finer for suspect in self.unresolved if suspect.thickness), default=None)
+
+    @property
+    def refinable(self) -> float | None:
+        """How many times the resolution may leave less to say; None where no resolution does."""
+        details = (_times(2, self.thin), _times(6, self.small))
+        doubled = [2.0] if self.off_surface or any(one.kind == "unresolved" for one in self.unresolved) else []
+        known = (*doubled, *(times for times in (self.finer, *details) if times is not None))
+        return max(known, default=None)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -305,6 +316,11 @@ def _in_brief(suspects: tuple[Suspect, ...]) -> Iterable[str]:
 
 def _finer(cells: int, detail: Detail) -> str:
     """The resolution that puts so many cells across a detail; an edge like a knife's has none."""
-    if detail.cells < KNIFE_EDGE:
+    times = _times(cells, detail)
+    if times is None:
         return "it may taper to an edge, which no resolution resolves"
-    return f"{cells / detail.cells:.2g} times the resolution puts {cells} cells across it"
+    return f"{times:.2g} times the resolution puts {cells} cells across it"
+
+
+def _times(cells: int, detail: Detail | None) -> float | None:
+    return None if detail is None or detail.cells < KNIFE_EDGE else cells / detail.cells

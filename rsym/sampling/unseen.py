@@ -183,11 +183,11 @@ def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells) -> tuple[_Cells,
     inside = np.indices((PARTS + 1, PARTS + 1)).reshape(2, -1).T / PARTS
     points = lattice.points((cells.first[:, None] + inside).reshape(-1, 2))
     values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
-    known = ~np.isnan(values).any(axis=(1, 2))
+    known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
     unseen = (_hidden(high, cells) | _doubtful(leaves, lattice, cells, high, wild)) & known & wild
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
-    cut = _grown(unseen, cells.first) & known
+    cut = np.asarray(_grown(unseen, cells.first) & known)
     ends = np.stack([high[:, 0], high[:, -1], high[:, :, 0], high[:, :, -1]], axis=1)
     # Across a side to a larger cell a line goes once, where its corners differ.
     changes = np.count_nonzero(np.diff(ends, axis=2), axis=2)

@@ -6,6 +6,9 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import Shape, conjunction, trimming, x, y
 from rsym.analysis.differential import derivative
+from rsym.model.symbols import postorder
+
+POINTS = np.random.default_rng(3).uniform(-2, 2, (2, 200))
 
 
 def test_r_nodes_are_kept_in_derivatives():
@@ -67,3 +70,28 @@ def test_the_gradient_of_a_joining_in_every_quadrant(count):
         slope, bend = closed(*point)
         assert_close(slope.ravel().astype(float), expected["gradient"][k], atol=1e-13)
         assert_close(bend.astype(float), expected["hessian"][k], atol=1e-11)
+
+
+@pytest.mark.parametrize("system", [rsym.R0, rsym.RAlpha(0.5), rsym.R0m(2), rsym.Rp(4)])
+def test_a_fold_is_differentiated_at_linear_cost(system):
+    """One factor a pair of operands: products of those of all pairs that follow would make 36 and 90 new parts."""
+
+    def size(count):
+        node = conjunction(*(sp.Symbol(f"a{k}", real=True) * x - k - y for k in range(count)), system=system)
+        return len(set(postorder(derivative(derivative(node, x), y))))
+
+    few, some, many = size(4), size(8), size(12)
+    assert many - some <= 1.2 * (some - few)
+
+
+@pytest.mark.parametrize("backend", ["llvm", "numpy"])
+def test_the_derivative_of_a_fold_is_the_sum_over_its_operands(backend):
+    """Against the partial derivatives of the node itself."""
+    operands = (x, y + 2, 3 - x * y, 1 + x**2)
+    for system in (rsym.R0, rsym.RAlpha(0.5), rsym.R0m(2), rsym.Rp(4)):
+        node = conjunction(*operands, system=system)
+        count = len(node.args) - len(operands)
+        terms = (node.fdiff(count + k + 1) * sp.diff(operand, x) for k, operand in enumerate(operands))
+        both = [Shape(made, (x, y)) for made in (derivative(node, x), sp.Add(*terms))]
+        ours, plain = (rsym.compile(shape, backend=backend)(*POINTS)["value"] for shape in both)
+        assert_close(ours, plain, rtol=1e-12)

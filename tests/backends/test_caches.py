@@ -3,10 +3,16 @@
 import ctypes
 import os
 
+import numpy as np
 import pytest
+import sympy as sp
 
+import rsym
+from rsym import x, y
 from rsym.backends import caches, llvm_code
 from rsym.backends.caches import cache_folder, keep_entry, read_entry
+from rsym.program.expansion import expand
+from rsym.program.fields import program_of
 
 TEXT = "define double @twice(double %x) {\n  %y = fadd double %x, %x\n  ret double %y\n}\n"
 LONG = TEXT + "; a remark\n" * 5000
@@ -105,3 +111,18 @@ def test_an_entry_under_the_name_of_another_is_none():
         keep_entry("things", f"{k}", bytes([k]))
     (cache_folder("things") / "0").replace(cache_folder("things") / "1")
     assert read_entry("things", "1") is None
+
+
+def test_what_is_too_long_to_tune_has_the_same_bits(monkeypatch):
+    node = rsym.conjunction(*(sp.sin(k * x) + y - k for k in range(1, 6)))
+    program = expand(program_of(rsym.Shape(node, (x, y)), ("value", "hessian")))
+    points = np.random.default_rng(2).uniform(-2, 2, (2, 40))
+
+    def bits():
+        outputs = [np.empty(40) for _ in program.outputs]
+        llvm_code.LlvmFunction(program).run(list(points), [], outputs)
+        return [output.tobytes() for output in outputs]
+
+    tuned = bits()
+    monkeypatch.setattr(llvm_code, "MOST_TUNED", 0)
+    assert bits() == tuned

@@ -75,6 +75,7 @@ def test_a_singular_spot_does_not_flatten_the_picture():
     assert len(robust_levels(np.full(5, 3.0))) > 2
 
 
+@pytest.mark.filterwarnings("ignore:omega has no value:rsym.RsymWarning")
 def test_undefined_points_are_hatched():
     half = Shape(sp.sqrt(x) - y, (x, y), bounds=((-1, 1), (-1, 1)))
     ax = rsym.plot_field(half, resolution=32).axes

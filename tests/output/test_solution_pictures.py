@@ -1,5 +1,8 @@
 """Pictures of solutions: named boundaries, sheets of modes, stress lines."""
 
+import functools
+import operator
+
 import matplotlib.figure
 import numpy as np
 import pytest
@@ -129,6 +132,34 @@ def test_a_body_is_drawn_where_its_points_have_come_to(ax):
     assert artist.levels[0] == 0
     assert artist.levels[-1] == pytest.approx(float(ring.von_mises(0.5 + 1e-9, 0)), rel=0.2)
     assert ax.get_title() == "displacements × 0.5"
+
+
+SIDES = (6 - x, 6 + x, 4 - y, 4 + y)
+SHEET = functools.reduce(
+    operator.and_,
+    (rsym.Shape(side, (x, y)).named(name) for side, name in zip(SIDES, "right left top foot".split(), strict=True)),
+)
+
+
+def test_colours_reach_the_peak_of_the_stress(ax):
+    """Beside a round hole it is three times that of the sheet, on a two hundredth of it."""
+    holed = SHEET - rsym.disc(sp.Rational(1, 2))
+    pulled = rsym.elasticity(holed, {"left": 0, "right": rsym.pressure(-1)}, young=1, poisson=0.3, cells=16)
+    artist = rsym.plot_deformation(pulled, ax=ax, resolution=128)
+    inside = pulled.von_mises(*(np.linspace(-0.7, 0.7, 141)[:, None], np.linspace(-0.7, 0.7, 141)))
+    assert np.nanmax(inside) > 2
+    assert artist.levels[-1] > 0.9 * np.nanmax(inside)
+    assert artist.extend == "neither"
+
+
+def test_colours_end_before_what_has_no_bound(ax):
+    angle = SHEET - rsym.rectangle(8, 6).translate(3, 2)
+    twisted = rsym.torsion(angle, cells=10)
+    artist = rsym.plot_torsion(twisted, ax=ax, resolution=64)
+    assert artist.extend == "max"
+    convex = rsym.plot_torsion(rsym.torsion(rsym.rectangle(3, 1), cells=8), ax=ax, resolution=64)
+    assert convex.extend == "neither"
+    assert convex.levels[-1] > 0.94
 
 
 def test_a_solution_shows_itself_in_a_notebook():

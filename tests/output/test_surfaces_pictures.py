@@ -313,6 +313,15 @@ def test_a_comparison_has_one_scale_for_each_row_and_one_column_for_each_surface
     assert all(box.y1 < text.get_window_extent().y0 for box in boxes for text in figure.texts)
 
 
+def test_one_map_is_given_by_its_name():
+    figure = compare_patches(
+        {"flat": Parabola(), "bent": Parabola(a=0.5)}, colour_by="zebra", resolution=8, figure=Figure()
+    )
+    assert len([artist for ax in figure.axes for artist in ax.artists if isinstance(artist, ShadedMesh)]) == 2
+    with pytest.raises(RsymError, match="no map 'stripes'"):
+        compare_patches({"flat": Parabola()}, colour_by="stripes", resolution=8, figure=Figure())
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

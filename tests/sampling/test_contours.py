@@ -43,6 +43,7 @@ def test_the_gradient_of_a_normalised_field_is_one_on_the_boundary_of_the_papers
     assert_close(np.sqrt(squared), np.ones(len(points)), atol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore:omega has no value:rsym.RsymWarning")
 def test_lines_are_cut_where_the_field_is_undefined():
     half = Shape(sp.sqrt(x) - 1 + y**2, (x, y), bounds=((-1, 2), (-2, 2)))
     lines = rsym.level_lines(half, resolution=60)
@@ -61,6 +62,7 @@ def test_a_jump_is_on_the_zeros_of_its_condition():
     assert_close(np.hypot(*circle.T), np.ones(len(circle)), atol=1e-13)
 
 
+@pytest.mark.filterwarnings("ignore:omega has no value:rsym.RsymWarning")
 @pytest.mark.parametrize("partial", [sp.sqrt(x - 2), sp.log(x - 2), sp.asin(x - 4), (x - 2) ** sp.Rational(1, 3)])
 @pytest.mark.parametrize("system", [rsym.R0, rsym.R1])
 def test_a_part_without_a_value_leaves_its_partners(partial, system):
@@ -75,6 +77,7 @@ def test_a_part_without_a_value_leaves_its_partners(partial, system):
     )  # nothing is known to be left of it
 
 
+@pytest.mark.filterwarnings("ignore:omega has no value:rsym.RsymWarning")
 @pytest.mark.parametrize("resolution", [31, 64])
 def test_a_curve_runs_to_the_end_of_its_domain(resolution):
     half = Shape(sp.sqrt(9 - x**2) - y, (x, y), bounds=((-4, 4), (-1, 4)))

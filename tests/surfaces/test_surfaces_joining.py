@@ -6,6 +6,7 @@ import sympy as sp
 from oracles.closeness import assert_close
 from oracles.hermite_doubles import Corners, Lambdified, sheet, sphere
 
+import rsym
 from rsym.errors import RsymError
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.coons.bicubic import BicubicCoons
@@ -196,6 +197,40 @@ def test_the_nearest_edges_are_found_with_their_direction():
     assert (joined.matrix == join(p, "u1", BicubicCoons(backwards), "u0", reverse=True, tolerance=FAR).matrix).all()
     with pytest.raises(RsymError, match="no nearer than"):
         join(p, None, p, None)
+
+
+@pytest.mark.parametrize(
+    ("k", "told"),
+    [
+        (1 - sp.Rational(11, 10) * sp.exp(-((t - sp.Rational(1, 3)) ** 2) * 10**8), r"got -0\.1 at 0\.3333"),
+        (1 - 2 * sp.exp(-((t - sp.sqrt(2) / 2) ** 2) * 10**12), r"got -1?\.?[\d.e-]+ at 0\.7071|not proved"),
+        ((t - sp.Rational(1, 3)) ** 2, r"at 0\.3333"),
+        (sp.Abs(t - sp.Rational(1, 7)), r"at 0\.1428"),
+        (1 + sp.Rational(1, 10**6) / (sp.Rational(1, 3) - t), r"at 0\.3333"),
+        (sp.sqrt(t - sp.Rational(1, 10**4)) + 1, "got nan at 0"),
+    ],
+    ids=["dip", "needle", "touch", "kink", "pole", "undefined"],
+)
+def test_a_factor_is_proved_positive_all_along_the_edge_or_refused(pair, k, told):
+    p, q = pair
+    with pytest.raises(RsymError, match=rf"k must be positive all along the edge, .*({told})"):
+        join(p, "u1", q, "u0", k=k, tolerance=FAR)
+
+
+@pytest.mark.parametrize(
+    "k", [1 - sp.Rational(9, 10) * sp.exp(-((t - sp.Rational(1, 3)) ** 2) * 10**8), 1 + sp.sin(40 * t) * 0.999, 1e-9]
+)
+def test_a_factor_that_is_small_and_positive_is_taken(pair, k):
+    p, q = pair
+    join(p, "u1", q, "u0", k=k, tolerance=FAR, transfinite=True)
+
+
+def test_of_a_factor_that_python_gives_it_is_said_that_nothing_is_proved(pair):
+    p, q = pair
+    with pytest.warns(rsym.RsymWarning, match=r"least value seen is 0\.5, at t = 0;"):
+        join(p, "u1", q, "u0", k=lambda s: 0.5 + s, tolerance=FAR)
+    with pytest.raises(RsymError, match=r"positive all along the edge, got -9\.99"):
+        join(p, "u1", q, "u0", k=lambda s: (s - 1 / 3) ** 2 - 1e-7, tolerance=FAR)
 
 
 def test_what_cannot_be_joined_is_refused(pair):

@@ -75,3 +75,32 @@ def test_a_denominator_without_zeros_is_no_hole():
     report = rsym.verify_smoothness(rsym.Shape(y - 1 / (x**2 + 1), (x, y), bounds=((-2, 2), (-2, 2))))
     assert report.verdict == "CERTIFIED"
     assert not any("no value" in sentence for sentence, _ in report.statements)
+
+
+@pytest.mark.parametrize(
+    ("system", "value"),
+    [
+        (rsym.Rp, 1),
+        (rsym.RAlpha, 1.5),
+        (rsym.R0m, -1),
+        (rsym.Rho, -0.5),
+        (lambda cosine: rsym.Rho(1, cosine=cosine), 1),
+    ],
+    ids=["p", "alpha", "m", "rho", "cosine"],
+)
+def test_nothing_is_proved_with_a_letter_for_which_an_operation_has_no_value(system, value):
+    letter = sp.Symbol("a", real=True)
+    square = rsym.conjunction(1 - x**2, 1 - y**2, system=system(letter))
+    shape = rsym.Shape(square, (x, y), letters={letter: value}, bounds=((-2, 2), (-2, 2)))
+    for prove in (rsym.verify_smoothness, rsym.extent, rsym.verify_normalisation):
+        with pytest.raises(rsym.RsymError, match=f"with a = {value}") as refused:
+            prove(shape)
+        assert refused.value.code == "parameter"
+
+
+def test_of_a_range_that_ends_where_an_operation_has_no_value_the_end_is_named():
+    letter = sp.Symbol("a", real=True)
+    square = rsym.conjunction(1 - x**2, 1 - y**2, system=rsym.Rp(letter))
+    shape = rsym.Shape(square, (x, y), letters={letter: 2}, bounds=((-2, 2), (-2, 2)))
+    with pytest.raises(rsym.RsymError, match="out of its range, with a = 1"):
+        rsym.verify_smoothness(shape, letters={letter: (1, 2)})

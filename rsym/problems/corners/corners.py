@@ -154,6 +154,22 @@ def corners(shape: Shape, letters: Mapping[Any, float] | None = None, bounds: An
     return found
 
 
+def inward_corners(shape: Shape) -> Floats:
+    """Where corners point inwards, (n, 2), as far as they are known: stresses have no bound there.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> inward_corners(rsym.rectangle(4, 4) - rsym.rectangle(2, 2).translate(1, 1)).tolist()
+    [[0.0, 0.0]]
+    """
+    try:
+        found, _ = surveyed_corners(shape)
+    except RsymError:
+        found = ()
+    return np.array([corner.point for corner in found if corner.angle > math.pi]).reshape(-1, 2)
+
+
 @recently(16, placed)
 def surveyed_corners(
     shape: Shape, letters: Mapping[Any, float] | None = None, bounds: Any = None

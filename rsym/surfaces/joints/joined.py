@@ -11,13 +11,14 @@ import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats
-from rsym.errors import RsymError
+from rsym.bounds.intervals import IntervalFunction
+from rsym.errors import RsymError, warn
 from rsym.model.letters import Letters
 from rsym.surfaces import symbols
 from rsym.surfaces.blends.blending import HermiteBlend
 from rsym.surfaces.corrections import Correction, greatest, sizes
 from rsym.surfaces.functions.curves import Called
-from rsym.surfaces.functions.formulas import exact
+from rsym.surfaces.functions.formulas import CompiledFormulas, exact
 from rsym.surfaces.functions.univariate import Constant, Formula, Stack, Univariate, on_interval
 from rsym.surfaces.joints.edges import PatchEdge
 from rsym.surfaces.joints.meeting import apart
@@ -25,8 +26,8 @@ from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.patch import Domain, Orders, Patch
 from rsym.surfaces.transfinite import BooleanSum, Loft
 
-# Where a function k is asked whether it is positive.
-PLACES = 65
+# Intervals in which a formula k is looked at first; how often those that leave its sign open are halved, and how many.
+PARTS, DEEPEST, MOST = 64, 40, 4096
 
 
 class JoinedPatch(Patch):
@@ -43,7 +44,7 @@ class JoinedPatch(Patch):
         self.patch, self.depth = second.patch, depth
         self.edges = first, second
         factors = tuple(_factor(one, second.interval, name) for one, name in ((k, "k"), (h, "h")))
-        self._check(factors[0], second)
+        _require_positive(factors[0])
         ribbons = [Ribbon(first, second, factors, order) for order in range(depth + 1)]
         across = Fading(_blend(blend, second, depth), second, depth)
         loft = Loft(across, Stack(ribbons))
@@ -81,18 +82,6 @@ class JoinedPatch(Patch):
     def expression(self) -> sp.ImmutableMatrix:
         """The point as expressions in u, v and the letters."""
         return sp.ImmutableMatrix(self.patch.expression() + self.added.expression())
-
-    def _check(self, k: Univariate, second: PatchEdge) -> None:
-        low, high = second.interval
-        places = np.linspace(low, high, PLACES)
-        values = k(places)
-        if not (values > 0).all():
-            worst = int(np.argmin(np.where(np.isfinite(values), values, -np.inf)))
-            raise RsymError(
-                f"k must be positive all along the edge, got {values[worst]:.6g} at {places[worst]:.6g}",
-                code="k",
-                remedy="k < 0 would fold q back over p, k = 0 makes it singular",
-            )
 
 
 class Ribbon(Univariate):
@@ -190,6 +179,44 @@ class ScalarFunction(Univariate):
     def evaluate(self, t: Floats, orders: Sequence[int], letters: LetterValues = None) -> list[Floats]:
         """The derivatives of these orders."""
         return [part[..., 0] for part in self.inner.evaluate(t, orders, letters)]
+
+
+def _require_positive(k: Univariate) -> None:
+    """Refuse a factor that is not proved positive all along the edge; of a function of Python the least value is told.
+
+    A formula is enclosed on intervals, those that leave the sign open are halved; at the defaults of letters.
+    """
+    low, high = k.domain
+    _, (place,) = greatest(lambda t: -np.nan_to_num(k(t), nan=-np.inf), k.domain)
+    lowest, formula = float(k(place)), k.expressions()
+    if formula is None and lowest > 0:
+        warn(
+            f"that k is positive is not proved of a function of Python: the least value seen is {lowest:.6g}, at "
+            f"t = {place:.6g}; a SymPy expression is proved"
+        )
+        return
+    if formula is not None and lowest > 0:
+        program = CompiledFormulas([formula[()]], (symbols.t.name,), k.letters, (k.domain,)).program([(0,)])
+        function = IntervalFunction(program, "numpy", sharpened=tuple(number for _, number in program.outputs))
+        ends = np.linspace(low, high, PARTS + 1)
+        lower, upper = ends[:-1], ends[1:]
+        for _ in range(DEEPEST):
+            ((least_there, _),) = function([lower], [upper], k.letters.values_with(None)).values()
+            lower, upper = lower[~(least_there > 0)], upper[~(least_there > 0)]
+            if not 0 < len(lower) <= MOST:
+                break
+            middle = lower / 2 + upper / 2
+            lower, upper = np.append(lower, middle), np.append(middle, upper)
+        if not len(lower):
+            return
+        place = float(lower[np.argmin(k(lower))])
+        lowest = float(k(place))
+    told = f"got {lowest:.6g} at {place:.6g}{', near which it is not proved' if lowest > 0 else ''}"
+    raise RsymError(
+        f"k must be positive all along the edge, {told}",
+        code="k",
+        remedy="k < 0 would fold q back over p, k = 0 makes it singular",
+    )
 
 
 def _factor(given: Any, domain: tuple[float, float], name: str) -> Univariate:

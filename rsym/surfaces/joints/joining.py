@@ -54,7 +54,8 @@ def join(
     edge_p, edge_q : {"u0", "u1", "v0", "v1"} or None
         None for both: the two edges that are nearest, and the direction in which they are.
     k, h : number, SymPy expression or function of t
-        k must be positive. Where four patches meet, k must be the same along each whole line of edges.
+        k must be positive: of numbers and expressions that is proved, of a function of Python the least value seen is
+        told by a warning. Where four patches meet, k must be the same along each whole line of edges.
     reverse : bool
         Whether the parameter of q's edge runs against that of p's.
     continuity : {"G1", "G2"}, optional
@@ -70,8 +71,8 @@ def join(
     Raises
     ------
     RsymError
-        For edges that do not meet (the greatest gap and its parameter are named), k that is not positive, an edge that
-        is a point, and matrices whose blends along the edge differ: what one can be there the other cannot.
+        For edges that do not meet (the greatest gap and its parameter are named), k that is not proved positive, an
+        edge that is a point, and matrices whose blends along the edge differ: what one can be there the other cannot.
 
     Notes
     -----

@@ -24,7 +24,16 @@ from rsym.sampling.labels import Labeller
 from rsym.verify.lint.letter_findings import letter_findings
 from rsym.verify.lint.logic import Logic, logic_of
 from rsym.verify.lint.places import ModelPlace, places_of
-from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, NOT_NORMALISED, SATURATES, ZERO_SHEET, Finding, LintReport
+from rsym.verify.lint.report import (
+    COINCIDENT,
+    LONE_SHEET,
+    NOT_NORMALISED,
+    SATURATES,
+    UNDEFINED,
+    ZERO_SHEET,
+    Finding,
+    LintReport,
+)
 from rsym.verify.lint.sheets import CommonFace, common_faces
 from rsym.verify.lint.slopes import (
     CONSTANT,
@@ -82,7 +91,9 @@ def lint(
     - "saturates": leaves and terms that are nearly constant over a third of the bounds or more, while what they are
       joined with or added to is not: f/sqrt(f**2 + |grad f|**2) never exceeds 1;
     - "letter range": letters whose value or range makes a divisor zero, a radicand negative, the parameter of an
-      R-operation illegal, omega undefined or the shape empty; an open end of a range is infinite.
+      R-operation illegal, omega undefined or the shape empty; an open end of a range is infinite;
+    - "without a value": leaves that have none in a part of the bounds: there the others decide, and what they leave
+      open is outside.
 
     Faces are common where omega shows it: a face that lies inside another operand is no fault.
 
@@ -136,6 +147,7 @@ def lint(
         *face_findings(survey, common_faces(survey.logic, survey.functions, *survey.near)),
         *_saturated(survey),
         *letter_findings(shape, survey.cloud),
+        *_undefined(survey),
     ]
     silent = [leaf for leaf, order in survey.orders.items() if not order and not len(survey.slopes(leaf))]
     notes = tuple(f"no regular zero within the bounds, so nothing is said of {survey.place(leaf)}" for leaf in silent)
@@ -186,6 +198,24 @@ def _saturated(survey: Survey) -> Iterator[Finding]:
             "rsym.normalise(f, length=L)",
             range=(share, share),
         )
+
+
+def _undefined(survey: Survey) -> Iterator[Finding]:
+    """Leaves that have no value in a part of the bounds."""
+    values, _ = survey.functions(survey.cloud[: survey.functions.portion])
+    for leaf in survey.orders:
+        missing = np.isnan(values[survey._numbers[leaf]])
+        if missing.any():
+            share = float(missing.mean())
+            yield Finding(
+                UNDEFINED,
+                (survey.place(leaf),),
+                f"it has no value in {share:.0%} of the bounds: there the other parts decide, and what they leave open "
+                "is outside",
+                "cut it where it ends by a part of its own, or write it without the root or logarithm",
+                tuple(survey.cloud[: len(missing)][missing][0].tolist()),
+                (share, share),
+            )
 
 
 def face_findings(survey: Survey, faces: Sequence[CommonFace]) -> Iterator[Finding]:
