@@ -97,13 +97,15 @@ class PlaneLeaves:
         """The two leaves that alone matter in a box, if they cross there at one point at most; else -1."""
         if self._large is not None or self.count < 2 or not len(low):
             return np.full((2, len(low)), -1)[0], np.full(len(low), -1)
-        matters = self._mattering(low, high)
+        matters = np.zeros((self.count, len(low)), np.bool_)
+        np.logical_or.at(matters, self._zeros, self._mattering(low, high))
         pair = np.sort(np.argsort(~matters, axis=0, kind="stable")[:2], axis=0)
         bounds = np.array(self._slopes(low, high)).reshape(2, self.count, 2, -1)
         (a, c), (b, d) = (bounds[axis, pair, :, np.arange(len(low))] for axis in (0, 1))  # (n, 2) each
         with np.errstate(all="ignore"):
             first, second = (_products(*factors) for factors in ((a, d), (b, c)))
             turns = (first[0] > second[1]) | (first[1] < second[0])
+        turns |= np.isin(pair, self.walls).any(axis=0)  # where a line ends, upright perhaps
         return tuple(np.where((np.count_nonzero(matters, axis=0) == 2) & turns, pair, -1))
 
     def meet(self, points: Floats, one: Ints, other: Ints, cell: float) -> Flags:
@@ -188,6 +190,13 @@ class PlaneLeaves:
             with np.errstate(all="ignore"):
                 points = points - np.stack([f * v - g * q, g * p - f * u], axis=1) / (p * v - q * u)[:, None]
         return points
+
+    @cached_property
+    def _zeros(self) -> Ints:
+        """Of each leaf the first that is zero where it is: itself, or what it is the negative of."""
+        builder, leaves = self.form.builder, self.form.leaves
+        plain = [min(leaf, builder.neg(leaf)) for leaf in leaves]
+        return np.array([plain.index(node) for node in plain], np.int64)
 
     @cached_property
     def walls(self) -> Ints:

@@ -223,7 +223,8 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
     middle = lattice.points(first[own] + 0.5)
     corner = leaves.common(middle, one[own], other[own])
     cell = min(lattice.spacing)
-    tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & leaves.meet(corner, one[own], other[own], cell)
+    holds = leaves.meet(corner, one[own], other[own], cell) | np.isin([one[own], other[own]], leaves.walls).any(axis=0)
+    tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & holds
     return tips
 
 
