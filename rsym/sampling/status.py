@@ -20,6 +20,9 @@ from rsym.sampling.manifolds import Measures, Point
 KNIFE_EDGE = 0.1
 # A fold that covers less than this share of the area is a speck between two faces; the status counts it all the same.
 NOTABLE_FOLD = 1e-6
+# Of cells of which nothing is proved: more are no places but a surface whose bounds are wide, which a finer lattice
+# leaves unproved too, after a long time.
+PLACES = 4096
 
 
 class Wording(NamedTuple):
@@ -204,7 +207,8 @@ class Findings:
     def refinable(self) -> float | None:
         """How many times the resolution may leave less to say; None where no resolution does."""
         details = (_times(2, self.thin), _times(6, self.small))
-        doubled = [2.0] if self.off_surface or any(one.kind == "unresolved" for one in self.unresolved) else []
+        unproved = sum(one.cells for one in self.unresolved if one.kind == "unresolved")
+        doubled = [2.0] if self.off_surface or 0 < unproved <= PLACES else []
         known = (*doubled, *(times for times in (self.finer, *details) if times is not None))
         return max(known, default=None)
 
