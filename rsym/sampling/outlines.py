@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
@@ -39,6 +39,11 @@ def known_outline(sampler: PlaneSampler, *, cut: bool) -> LevelLines:
     """The lines omega = 0 of what has no value somewhere or jumps, with ends at the ends of domains."""
     leaves = leaves_of(sampler.shape, sampler.free, sampler.fixed, sampler.letters, sampler.bounds)
     found = (outline_within if cut else outline)(sampler, leaves)
+    if not leaves.form.traced:
+        warn(
+            "the boundary jumps with a floor or a Mod: there lines are right at their vertices, and cut corners; "
+            "remedy: write the pieces that lie in the bounds as a union, or as a Piecewise of conditions"
+        )
     return replace(found, status=replace(found.status, undefined_samples=int(np.isnan(sampler.values()).sum())))
 
 
