@@ -88,8 +88,11 @@ def _wave(name: str) -> Rule:
     return rule
 
 
-def _atan2(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
-    """Monotone in each alone, but for the cut u = 0, v <= 0; a u that is not negative only touches the cut."""
+def _atan2(b: Builder, node: Node, operands: Sequence[Interval], turning: bool = False) -> Interval:
+    """Monotone in each alone, but for the cut u = 0, v <= 0; a u that is not negative only touches the cut.
+
+    `turning`: whole turns do not count, so that on the cut the angle goes on beyond pi.
+    """
     u, v = operands
     plain = corners(b, lambda *ends: b.make("atan2", *ends), u, v, error=ELEMENTARY)
     if u.nonnegative:
@@ -98,11 +101,18 @@ def _atan2(b: Builder, node: Node, operands: Sequence[Interval]) -> Interval:
     # A little above pi; NaN where an end of u or v is, which must not look like the cut.
     turn = b.select(b.abs(spread), b.const(-1), b.const(Fraction(22, 7)), b.undefined())
 
+    ends = Interval(b.neg(turn), turn)
+    if turning:
+        opposite = (negative(b, side) for side in operands)
+        around = corners(b, lambda *ends: b.make("atan2", *ends), *opposite, error=ELEMENTARY)
+        beyond = total(b, constant(b, "pi"), around)
+        ends = Interval(*(b.select(zero, v.upper, own, cut) for own, cut in zip(beyond[:2], ends[:2], strict=True)))
+
     def unless_cut(end: int, extreme: int) -> int:
         right = b.select(v.lower, zero, end, extreme)
         return b.select(u.lower, zero, end, b.select(zero, u.upper, end, right))
 
-    return Interval(unless_cut(plain.lower, b.neg(turn)), unless_cut(plain.upper, turn))
+    return Interval(unless_cut(plain.lower, ends.lower), unless_cut(plain.upper, ends.upper))
 
 
 def chosen(b: Builder, operands: Sequence[Interval], decisive: bool) -> Interval:
@@ -223,9 +233,28 @@ class BoxImages:
             return self._select(node, operands)
         name, arguments = relation(self.source.nodes, number) or (node.operation, node.arguments)
         operands = [self.images[argument] for argument in arguments]
+        if name in {"sin", "cos"}:
+            operands = [self._angle(arguments[0], Fraction(1))]
+        elif name in {"square", "abs"} and self.source.nodes[arguments[0]].operation == "atan2":  # even: without a cut
+            u, v = (self.images[argument] for argument in self.source.nodes[arguments[0]].arguments)
+            operands = [_atan2(b, node, [sizes(b, u), v])]
         if self.strict and (name in {"sqrt", "log"} or (name == "pow" and self._is_root(arguments[1]))):
             operands[0] = only_nonnegative(b, operands[0])
         return IMAGES[name](b, node, operands)
+
+    def _angle(self, number: int, factor: Fraction) -> Interval:
+        """The image of an angle that counts `factor` times, of which whole turns do not count."""
+        b, (operation, arguments, _) = self.target, self.source.nodes[number]
+        if operation == "neg":
+            return negative(b, self._angle(arguments[0], factor))
+        if operation == "add":
+            return total(b, *(self._angle(argument, factor) for argument in arguments))
+        value = self.source.value(arguments[0]) if operation == "mul" else None
+        if value is not None:
+            return scaled(b, value, self._angle(arguments[1], factor * value))
+        if operation == "atan2" and factor.denominator == 1:
+            return _atan2(b, self.source.nodes[number], [self.images[argument] for argument in arguments], turning=True)
+        return self.images[number]
 
     def _is_root(self, exponent: int) -> bool:
         """Whether a power with this exponent has no value for a negative base."""

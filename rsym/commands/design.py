@@ -7,6 +7,8 @@ import shlex
 from typing import TYPE_CHECKING
 
 from rsym.commands.options import (
+    AUTOMATIC,
+    AUTOMATICALLY,
     Commands,
     add_command,
     add_model,
@@ -36,7 +38,7 @@ def add(commands: Commands) -> None:
     add_model(parser)
     add_system(parser)
     add_revolve(parser)
-    add_resolution(parser, 128, "128; of meshes that are served, and of a formula too long to be drawn")
+    add_resolution(parser, AUTOMATIC, f"{AUTOMATICALLY}; of files. A formula too long to be drawn is shown at 128")
     add_output(parser, "write the page, .html, and serve nothing: it needs nothing else")
     parser.add_argument("--port", type=int, default=0, help="where to serve the page (default: one that is free)")
     parser.add_argument("--no-open", action="store_true", help="open no browser, only print the address")
@@ -50,7 +52,7 @@ def run(options: argparse.Namespace) -> None:
     from rsym.output.design.pages import DesignPage, page_of
 
     shape, title, source = load_shape(options), model_file(options.model).stem, source_of(options)
-    cells = options.resolution
+    cells = 128 if options.resolution == AUTOMATIC else options.resolution
     if options.output:
         path_ending(options.output, ".html", "a page is")
         print(DesignPage(page_of(shape, title=title, source=source, resolution=cells)).write(options.output))
@@ -58,7 +60,7 @@ def run(options: argparse.Namespace) -> None:
     from rsym.output.design.serving import DesignServer
 
     html = page_of(shape, title=title, source=source, served=True, resolution=cells)
-    with DesignServer(shape, html, port=options.port, resolution=cells, force=options.force) as server:
+    with DesignServer(shape, html, port=options.port, resolution=options.resolution, force=options.force) as server:
         print(f"{server.address}\nCtrl-C ends it", flush=True)
         if not options.no_open:
             webbrowser.open(server.address)

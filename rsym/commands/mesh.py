@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from rsym.commands.options import (
+    AUTOMATIC,
+    AUTOMATICALLY,
     Commands,
     add_command,
     add_model,
@@ -46,7 +48,7 @@ def add(commands: Commands) -> None:
     add_system(parser)
     explain(add_output(parser, "", required=True), "the mesh, in the format of its suffix: %(known)s", _formats)
     add_revolve(parser)
-    add_resolution(parser, 128)
+    add_resolution(parser, AUTOMATIC, AUTOMATICALLY)
     parser.add_argument(
         "--method",
         choices=["sharp", "smooth"],
@@ -140,7 +142,7 @@ def _written(mesh: Mesh, options: argparse.Namespace) -> None:
     if options.features:
         print(write_features(result, options.features, unit=unit or "mm"))
     print(write(result, options.output, unit=unit, colour_by=options.colour_by))
-    print(*told(result.status, options.resolution, verbose=options.verbose), sep="\n")
+    _tell(result.status, options)
     if (options.size, options.scale, options.unit) != (None, None, None):
         sides = " x ".join(f"{high - low:.6g}" for low, high in result.bounds)
         print(f"size {sides} {unit or ''}".rstrip())
@@ -163,10 +165,17 @@ def _streamed(shape: Shape, options: argparse.Namespace) -> None:
         warnings.simplefilter("ignore", RsymWarning)
         made = mesh(shape, options.resolution, progress=progress, into=options.output, memory=options.memory)
     print(made.path)
-    print(*told(made.status, options.resolution, verbose=options.verbose), sep="\n")
+    _tell(made.status, options)
 
 
-def told(status: MeshStatus | FileStatus, resolution: int | Sequence[int], *, verbose: bool = False) -> Iterator[str]:
+def _tell(status: MeshStatus | FileStatus, options: argparse.Namespace) -> None:
+    """What is known of the mesh, below the resolution where it was looked for."""
+    if options.resolution == AUTOMATIC:
+        print(f"resolution {status.resolution}")
+    print(*told(status, verbose=options.verbose), sep="\n")
+
+
+def told(status: MeshStatus | FileStatus, *, verbose: bool = False) -> Iterator[str]:
     """The status, its remarks one to a line; unless `verbose` in three lines at most, with the resolution to take.
 
     Examples
@@ -175,14 +184,14 @@ def told(status: MeshStatus | FileStatus, resolution: int | Sequence[int], *, ve
     >>> from rsym import x, y, z
     >>> ball = rsym.Shape(1 - x**2 - y**2 - z**2, (x, y, z), bounds=((-2, 2), (-2, 2), (-2, 0.5)))
     >>> with warnings.catch_warnings(action="ignore"):
-    ...     print(*list(told(rsym.mesh(ball, 8).status, 8))[1:])
+    ...     print(*list(told(rsym.mesh(ball, 8).status))[1:])
     - The body leaves the bounds and is clipped at the upper end of z; flat caps close it there.
     """
     yield str(status).removesuffix("".join(f" {line}" for line in status.brief))
     lines = list(status.remarks if verbose else status.brief)
     hints = []
-    if status.finer is not None and not verbose:
-        cells = resolution if isinstance(resolution, Sequence) else [resolution]
+    if status.finer is not None and status.resolution is not None and not verbose:
+        cells = status.resolution if isinstance(status.resolution, Sequence) else [status.resolution]
         finer = ",".join(str(math.ceil(status.finer * count)) for count in cells)
         hints.append(f"--resolution {finer} puts 2 cells across every wall and gap")
     if len(status.unresolved) > 1 and not verbose:

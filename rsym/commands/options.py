@@ -103,11 +103,16 @@ def add_output(parser: argparse.ArgumentParser, what: str, *names: str, required
     )
 
 
-def add_resolution(parser: argparse.ArgumentParser, default: int | None, note: str = "") -> None:
-    """Cells along the longest side, or along each axis, and going on where they are too many."""
+# The resolution that `rsym.mesh` looks for, where a command asks for it.
+AUTOMATIC = "auto"
+AUTOMATICALLY = f"{AUTOMATIC}: 128, and more where more resolves something, up to 512"
+
+
+def add_resolution(parser: argparse.ArgumentParser, default: int | str | None, note: str = "") -> None:
+    """Cells along the longest side, or along each axis, and going on where they are too many; or "auto"."""
     parser.add_argument(
         "--resolution",
-        type=cells,
+        type=(lambda text: text if text == AUTOMATIC else cells(text)) if default == AUTOMATIC else cells,
         default=default,
         metavar="CELLS",
         help=f"along the longest side, or along each axis: 240,480,420 (default: {note or default})",

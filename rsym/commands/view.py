@@ -49,4 +49,4 @@ def run(options: argparse.Namespace) -> None:
         warnings.simplefilter("ignore", RsymWarning)  # the status, printed below, says the same
         result = mesh(shape, options.resolution, progress=progress, force=options.force)
     print(view(result, colour_by=options.colour_by, path=options.output, browser=not options.no_open))
-    print(*told(result.status, options.resolution, verbose=options.verbose), sep="\n")
+    print(*told(result.status, verbose=options.verbose), sep="\n")

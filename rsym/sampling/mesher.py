@@ -62,6 +62,7 @@ class SharpMesher:
     def __init__(self, shape: Shape, backend: str | None = None, form: SignForm | None = None) -> None:
         self.shape = shape
         self.form = opened(surface_form(shape)).capped() if form is None else form
+        self.form.require_traced()
         by_tapes = backend_for(self.form, backend) == "tape"
         self._kernels: Any = region_kernels(self.form) if by_tapes else mesher_kernels(self.form)
         self._region = whole_form(self.form)
@@ -118,6 +119,7 @@ class SharpMesher:
             clipped_at=tuple(side.name for k, side in enumerate(sides) if made.leaves[first + k]),
             capped=request.cap,
             sides=sides,
+            resolution=request.resolution,
             off_surface=made.strays,
             unresolved=missed,
             vertices=made.vertices,
@@ -176,7 +178,7 @@ class SharpMesher:
         clipped = tuple(side.name for k, side in enumerate(sides) if (triangles.leaf == first + k).any())
         if clipped and not request.cap:
             triangles = triangles.some(triangles.leaf < first)
-        known = Findings(clipped_at=clipped, capped=request.cap, sides=sides)
+        known = Findings(clipped_at=clipped, capped=request.cap, sides=sides, resolution=request.resolution)
         find = partial(self._findings, known, triangles.vertices, surface.notes, surface.blocks, job)
         return Mesh(
             triangles.vertices,

@@ -7,13 +7,15 @@ import math
 import os
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
-from functools import lru_cache
+from dataclasses import replace
+from functools import lru_cache, partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar, overload
 
+from rsym.atomic import target_of, writing
 from rsym.errors import RsymError, warn
 from rsym.garbage import uncollected
 from rsym.logic.lifting import opened
@@ -35,13 +37,18 @@ if TYPE_CHECKING:
 # Of method "smooth", measured on the car at 400 cells: three arrays of samples, and what the crossings take.
 SAMPLES = Demand(memory=16.0, time=2e-7)
 
+# The resolution that is looked for: cells along the longest side at first and at most, and the least that is worth a
+# second mesh.
+AUTOMATIC = "auto"
+FIRST, MOST, LEAST_STEP = 128, 512, 1.25
+
 logger = logging.getLogger(__name__)
 
 
 @overload
 def mesh(
     shape: Shape,
-    resolution: int | Sequence[int] = ...,
+    resolution: int | Sequence[int] | str = ...,
     *,
     method: str = ...,
     bounds: Any = ...,
@@ -59,7 +66,7 @@ def mesh(
 @overload
 def mesh(
     shape: Shape,
-    resolution: int | Sequence[int] = ...,
+    resolution: int | Sequence[int] | str = ...,
     *,
     method: str = ...,
     bounds: Any = ...,
@@ -76,7 +83,7 @@ def mesh(
 
 def mesh(
     shape: Shape,
-    resolution: int | Sequence[int] = 128,
+    resolution: int | Sequence[int] | str = 128,
     *,
     method: str = "sharp",
     bounds: Any = None,
@@ -95,8 +102,10 @@ def mesh(
     ----------
     shape : Shape
         A shape in space; revolve a plane one first.
-    resolution : int or three ints
-        Cubical cells along the longest side, or cells along each axis.
+    resolution : int, three ints or "auto"
+        Cubical cells along the longest side, or cells along each axis. "auto": 128, and more where the mesh says that
+        more would resolve something, up to 512 or to what the memory holds; ``.status.resolution`` tells how many, and
+        what stays unresolved is told as ever.
     method : {"sharp", "smooth"}
         "sharp": adaptive, closed, exact edges and corners where two or three leaves of the sign form meet.
         "smooth": marching cubes on samples of omega, every crossing recomputed in float64; the reference. Without
@@ -162,10 +171,10 @@ def mesh(
         )
     if into is not None:
         _check_streamed(into, method, cap, executor)
-        streamed = MeshRequest(resolution, bounds, letters, cap, None, progress, force, Path(into), memory, backend)
-        return _told(_sharp_of(shape, backend).stream(streamed), streamed, shape, start)
-    request = MeshRequest(resolution, bounds, letters, cap, executor, progress, force, backend=backend)
-    result = _METHODS[method](shape, request)
+        request = MeshRequest(128, bounds, letters, cap, None, progress, force, Path(into), memory, backend)
+        return _told(_streamed(_sharp_of(shape, backend), request, resolution), request, shape, start)
+    request = MeshRequest(128, bounds, letters, cap, executor, progress, force, backend=backend)
+    result = _resolved(partial(_METHODS[method], shape), request, resolution)
     return _told(result, request, shape, start)
 
 
@@ -182,6 +191,43 @@ def _told(result: M, request: MeshRequest, shape: Shape, start: float) -> M:
         more = " `.status.remarks` tells all." if len(result.findings.unresolved) > 1 else ""
         warn(" ".join(brief) + more)
     return result
+
+
+def _resolved(make: Callable[[MeshRequest], M], request: MeshRequest, resolution: int | Sequence[int] | str) -> M:
+    """The mesh at a resolution; at "auto" the first one of which no finer lattice has less to say."""
+    if not isinstance(resolution, str):
+        return make(replace(request, resolution=resolution))
+    if resolution != AUTOMATIC:
+        raise RsymError(
+            f"a resolution is a number of cells, three numbers or {AUTOMATIC!r}, got {resolution!r}", code="resolution"
+        )
+    cells = FIRST
+    result = make(replace(request, resolution=cells))
+    while cells < MOST and (finer := result.findings.refinable):
+        cells = min(MOST, math.ceil(max(finer, LEAST_STEP) * cells))
+        try:
+            result = make(replace(request, resolution=cells))
+        except RsymError as error:
+            if error.code != "memory":
+                raise
+            break
+    return result
+
+
+def _streamed(mesher: SharpMesher, request: MeshRequest, resolution: int | Sequence[int] | str) -> MeshFile:
+    """The mesh in a file; at "auto" what is only tried lies beside it."""
+    assert request.into is not None
+    if not isinstance(resolution, str):
+        return _resolved(mesher.stream, request, resolution)
+    path = target_of(request.into)
+    trial = path.with_name(f"{path.stem}.trial{path.suffix}")
+    with writing(request.into):
+        try:
+            made = _resolved(mesher.stream, replace(request, into=trial), resolution)
+            os.replace(trial, path)
+        finally:
+            trial.unlink(missing_ok=True)
+    return replace(made, path=request.into)
 
 
 def _check_streamed(into: Any, method: str, cap: bool, executor: Executor | None) -> None:
@@ -206,7 +252,8 @@ def _smoothly(shape: Shape, request: MeshRequest) -> Mesh:
     box = bounds_or_extent(shape, request.bounds, request.letters)
     lattice = lattice_over(box, request.resolution, math.inf)
     SAMPLES.check(request.resolution, lattice.counts, force=request.force)
-    return smooth_mesh(shape, lattice, request.letters, request.executor, request.progress)
+    result = smooth_mesh(shape, lattice, request.letters, request.executor, request.progress)
+    return replace(result, found=replace(result.findings, resolution=request.resolution))
 
 
 def _sharply(shape: Shape, request: MeshRequest) -> Mesh:
@@ -271,7 +318,7 @@ class Mesher:
 
     def __call__(
         self,
-        resolution: int | Sequence[int] = 128,
+        resolution: int | Sequence[int] | str = 128,
         *,
         bounds: Any = None,
         letters: Mapping[Any, float] | None = None,
@@ -285,7 +332,8 @@ class Mesher:
         What the lattice may have missed is looked for when ``.findings`` or ``.status`` are asked for, which takes
         half as long again; `rsym.mesh` asks at once, and warns.
         """
-        return self._sharp(MeshRequest(resolution, bounds, letters, cap, executor, progress, force))
+        request = MeshRequest(128, bounds, letters, cap, executor, progress, force)
+        return _resolved(self._sharp, request, resolution)
 
 
 def _sharp(shape: Shape, backend: str | None) -> SharpMesher:

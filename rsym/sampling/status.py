@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import collections
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
@@ -20,6 +20,9 @@ from rsym.sampling.manifolds import Measures, Point
 KNIFE_EDGE = 0.1
 # A fold that covers less than this share of the area is a speck between two faces; the status counts it all the same.
 NOTABLE_FOLD = 1e-6
+# Of cells of which nothing is proved: more are no places but a surface whose bounds are wide, which a finer lattice
+# leaves unproved too, after a long time.
+PLACES = 4096
 
 
 class Wording(NamedTuple):
@@ -136,6 +139,8 @@ class Findings:
         Whether flat caps close it there.
     sides : tuple of BoundsSide
         The sides of the bounds, all of them.
+    resolution : int or three ints, optional
+        Cells along the longest side, or along each axis.
     nudged_zeros : int
         Samples exactly on the surface, counted as inside.
     kept : int
@@ -151,6 +156,7 @@ class Findings:
     clipped_at: tuple[str, ...] = ()
     capped: bool = False
     sides: tuple[BoundsSide, ...] = ()
+    resolution: int | Sequence[int] | None = None
     nudged_zeros: int = 0
     kept: int = 0
     off_surface: OffSurface | None = None
@@ -196,6 +202,15 @@ class Findings:
     def finer(self) -> float | None:
         """How many times the resolution puts two cells across every unresolved wall and gap; None if there is none."""
         return max((suspect.finer for suspect in self.unresolved if suspect.thickness), default=None)
+
+    @property
+    def refinable(self) -> float | None:
+        """How many times the resolution may leave less to say; None where no resolution does."""
+        details = (_times(2, self.thin), _times(6, self.small))
+        unproved = sum(one.cells for one in self.unresolved if one.kind == "unresolved")
+        doubled = [2.0] if self.off_surface or 0 < unproved <= PLACES else []
+        known = (*doubled, *(times for times in (self.finer, *details) if times is not None))
+        return max(known, default=None)
 
     @property
     def remarks(self) -> tuple[str, ...]:
@@ -305,6 +320,11 @@ def _in_brief(suspects: tuple[Suspect, ...]) -> Iterable[str]:
 
 def _finer(cells: int, detail: Detail) -> str:
     """The resolution that puts so many cells across a detail; an edge like a knife's has none."""
-    if detail.cells < KNIFE_EDGE:
+    times = _times(cells, detail)
+    if times is None:
         return "it may taper to an edge, which no resolution resolves"
-    return f"{cells / detail.cells:.2g} times the resolution puts {cells} cells across it"
+    return f"{times:.2g} times the resolution puts {cells} cells across it"
+
+
+def _times(cells: int, detail: Detail | None) -> float | None:
+    return None if detail is None or detail.cells < KNIFE_EDGE else cells / detail.cells

@@ -357,3 +357,23 @@ def test_wrong_input_is_refused():
         with pytest.raises(rsym.RsymError) as error:
             function(*arguments)
         assert error.value.code == code
+
+
+def enclosed(expression, *sides):
+    """The interval of an expression over a box of x and y."""
+    function = IntervalFunction(program_of(rsym.Shape(expression, (x, y)), ("value",), share=None), "numpy")
+    low, high = function(*([np.array([side[end]]) for side in sides] for end in (0, 1)))["value"]
+    return float(low[0]), float(high[0])
+
+
+def test_the_cut_of_an_angle_is_none_where_turns_or_signs_do_not_count():
+    """About (-10, 0) the angle is pi but for 0.01; pi +- 0.01 thrice, its cosine is within 0.03^2/2 of -1."""
+    angle, about = sp.atan2(y, x), ((-10.05, -9.95), (-0.1, 0.1))
+    assert enclosed(angle, *about)[0] < -3.1  # the cut is there
+    low, high = enclosed(angle**2, *about)
+    assert np.pi**2 - 0.1 < low < high < np.pi**2 + 0.1
+    low, high = enclosed(sp.cos(3 * angle - sp.Rational(1, 10) + sp.Rational(1, 10) * x**0), *about)
+    assert -1 <= low < high < -1 + 1e-3
+    assert enclosed(sp.sin(2 * angle), *about)[1] < 0.05
+    low, high = enclosed(sp.cos(angle / 2), *about)  # half turns do count
+    assert (low < 0.01, high > 0.5) == (True, True)

@@ -99,6 +99,12 @@ def test_a_mesh_that_is_cut_is_capped_or_open_in_either_method(tmp_path, model, 
 def test_the_essential_is_said_in_three_lines(tmp_path, capsys):
     common = ["mesh", "car", "-q", "-o", str(tmp_path / "car.stl")]
     assert main(common) == 0
+    _, resolution, first, *caveats = capsys.readouterr().out.splitlines()
+    assert resolution == "resolution 346"
+    assert "in 5 pieces, closed" in first
+    assert "Euler characteristic 0" in first
+    common += ["--resolution", "128"]
+    assert main(common) == 0
     _, first, *caveats = capsys.readouterr().out.splitlines()
     assert "closed" in first
     assert len(caveats) <= 3

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import urllib.request
+from urllib.parse import unquote
 
 import pytest
 import sympy as sp
@@ -109,12 +110,16 @@ def served():
 
 def asked(server, method, path, body=None, **headers):
     """The status and the answer; `_` in the name of a header stands for a hyphen."""
+    return answered(server, method, path, body, **headers)[:2]
+
+
+def answered(server, method, path, body=None, **headers):
     connection = http.client.HTTPConnection("127.0.0.1", server.server_port, timeout=60)
     try:
         given = {name.replace("_", "-"): value for name, value in headers.items()}
         connection.request(method, path, None if body is None else body.encode(), given)
         reply = connection.getresponse()
-        return reply.status, reply.read()
+        return reply.status, reply.read(), unquote(reply.headers.get("X-Status", ""))
     finally:
         connection.close()
 
@@ -163,8 +168,9 @@ def test_numbers_alone_come_in(body, why):
 def test_meshes_and_answers_go_out():
     with served() as server:
         home = f"/{server.word}/"
-        status, data = asked(server, "POST", f"{home}body.stl", '{"r": 2}')
+        status, data, told = answered(server, "POST", f"{home}body.stl", '{"r": 2}')
         assert status == 200
+        assert told.startswith(f"Resolution 12: {len(data[84:]) // 50} triangles in one piece, closed")
         assert len(data) == 84 + 50 * int.from_bytes(data[80:84], "little")
         status, data = asked(server, "POST", f"{home}body.glb", "{}")
         assert (status, data[:4]) == (200, b"glTF")

@@ -214,7 +214,7 @@ def test_what_is_taken_away(browser, address, tmp_path):
         page.click("#save-picture")
     assert imread(file.value.path(), format="png").shape[:2] == opened.pixels().shape[:2]
     page.get_by_role("button", name="3MF").click()
-    assert page.inner_text("#answer-text") == """rsym.write(rsym.mesh(shape, letters={"w": 0.7}), 'body.3mf')"""
+    assert page.inner_text("#answer-text") == """rsym.write(rsym.mesh(shape, "auto", letters={"w": 0.7}), 'body.3mf')"""
     assert opened.requests[0] == address
     assert all(one.startswith(("file:", "blob:")) for one in opened.requests)
 

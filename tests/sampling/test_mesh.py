@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from oracles.closeness import assert_close
 
+import rsym
 from rsym import RsymError
 from rsym.sampling.lattice import sides_of
 from rsym.sampling.mesh import Mesh
@@ -135,3 +136,21 @@ def test_a_mesh_is_pickled_with_its_normals():
 def test_what_is_no_mesh_is_refused(corners, faces):
     with pytest.raises(RsymError):
         status(corners, faces)
+
+
+def test_what_a_finer_lattice_may_settle_asks_for_it():
+    def asked(*suspects):
+        return status(CORNERS, FACES, unresolved=suspects).refinable
+
+    place = (0.0, 0.0, 0.0)
+    assert asked() is None
+    assert asked(Suspect("knife", place, 0.0, 9, (0,)), Suspect("touch", place, 0.0, 9, (0,))) is None
+    assert asked(Suspect("gap", place, 0.5, 9, (0,)), Suspect("unresolved", place, 0.0, 9, (0,))) == 4
+    assert asked(Suspect("unresolved", place, 0.0, 9, (0,))) == 2
+    assert asked(Suspect("unresolved", place, 0.0, 99_999, (0,))) is None
+
+
+@pytest.mark.slow
+def test_the_vase_has_no_remark():
+    """Its twelve lobes are cosines of twelve times an angle, whose cut is none."""
+    assert rsym.mesh(rsym.load("vase")).status.remarks == ()

@@ -212,7 +212,7 @@ async function take(service, button) {
     const reply = await ask(service.path);
     if (service.path.includes(".")) download(service.path, await reply.blob());
     else answer(service.title, command(service.command), await reply.text());
-    say("");
+    say(decodeURIComponent(reply.headers.get("X-Status")));
   } catch (error) {
     say("");
     answer(service.title, "Not done:", error.message);

@@ -66,7 +66,7 @@ class Source:
         Whether they are lines of Python.
     """
 
-    mesh: str = "rsym.write(rsym.mesh(shape, letters={letters}), {file})"
+    mesh: str = 'rsym.write(rsym.mesh(shape, "auto", letters={letters}), {file})'
     verify: str = "rsym.verify_smoothness(shape, letters={letters})"
     lint: str = "rsym.lint(shape.with_letters({letters}))"
     python: bool = True

@@ -13,12 +13,15 @@ import warnings
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from types import MappingProxyType
 from typing import Any
+from urllib.parse import quote
 
 from rsym.errors import RsymError, RsymWarning
 from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.output.formats import FORMATS
+from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.verify.lint.linting import lint
 from rsym.verify.smoothness import verify_smoothness
@@ -42,10 +45,17 @@ class DesignServer(ThreadingHTTPServer):
     daemon_threads = True
 
     def __init__(
-        self, shape: Shape, html: str, *, port: int = 0, resolution: int | Sequence[int] = 128, force: bool = False
+        self,
+        shape: Shape,
+        html: str,
+        *,
+        port: int = 0,
+        resolution: int | Sequence[int] | str = "auto",
+        force: bool = False,
     ) -> None:
         self.shape, self.html = shape, html
         self.mesh = partial(mesh, shape, resolution, force=force)
+        self.shown = partial(mesh, shape, 128 if resolution == "auto" else resolution, force=force)
         self.word = secrets.token_urlsafe(24)
         self.working = (
             threading.Lock()
@@ -96,11 +106,12 @@ class _Handler(BaseHTTPRequestHandler):
             letters = self._letters()
             with self.server.working, warnings.catch_warnings():
                 warnings.simplefilter("ignore", RsymWarning)
-                data = service(self.server, letters)
+                data, told = service(self.server, letters)
         except RsymError as error:
             self._refuse(400, str(error))
             return
-        self._reply(200, data, KINDS.get(name[name.find(".") :] if "." in name else "", "application/octet-stream"))
+        kind = KINDS.get(name[name.find(".") :] if "." in name else "", "application/octet-stream")
+        self._reply(200, data, kind, {"X-Status": quote(told)})
 
     def _asked(self) -> str | None:
         """What is asked for behind the secret word; None where the question was refused."""
@@ -133,9 +144,9 @@ class _Handler(BaseHTTPRequestHandler):
     def _refuse(self, code: int, why: str) -> None:
         self._reply(code, why.encode(), KINDS[""])
 
-    def _reply(self, code: int, data: bytes, kind: str) -> None:
+    def _reply(self, code: int, data: bytes, kind: str, more: Mapping[str, str] = MappingProxyType({})) -> None:
         self.send_response(code)
-        headers = {"Content-Type": kind, "Content-Length": str(len(data)), "Cache-Control": "no-store"}
+        headers = {**more, "Content-Type": kind, "Content-Length": str(len(data)), "Cache-Control": "no-store"}
         headers |= {"X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer"}
         for name, value in headers.items():
             self.send_header(name, value)
@@ -143,7 +154,8 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(data)
 
 
-Service = Callable[[DesignServer, Mapping[str, float]], bytes]
+# What is sent, and what is known of it.
+Service = Callable[[DesignServer, Mapping[str, float]], tuple[bytes, str]]
 
 
 def _service(name: str) -> Service | None:
@@ -152,12 +164,22 @@ def _service(name: str) -> Service | None:
     if body == "body" and f".{suffix}" in SUFFIXES:
         row = FORMATS[f".{suffix}"]
         encode = row.coloured or row.encode
-        return lambda server, letters: encode(server.mesh(letters=letters), None)
+        return lambda server, letters: _encoded(
+            (server.shown if row.suffix == ".html" else server.mesh)(letters=letters), encode
+        )
     return TEXTS.get(name)
+
+
+def _encoded(body: Mesh, encode: Callable[[Mesh, str | None], bytes]) -> tuple[bytes, str]:
+    status = body.status
+    return encode(body, None), f"Resolution {status.resolution}: {status}"
 
 
 SUFFIXES = (".stl", ".3mf", ".glb", ".html")
 TEXTS: Mapping[str, Service] = {
-    "verdict": lambda server, letters: str(verify_smoothness(server.shape, letters=letters, timeout=PATIENCE)).encode(),
-    "lint": lambda server, letters: str(lint(server.shape.with_letters(letters))).encode(),
+    "verdict": lambda server, letters: (
+        str(verify_smoothness(server.shape, letters=letters, timeout=PATIENCE)).encode(),
+        "",
+    ),
+    "lint": lambda server, letters: (str(lint(server.shape.with_letters(letters))).encode(), ""),
 }
