@@ -24,6 +24,7 @@ from rsym.model.nodes import Trimming, expand_nodes
 from rsym.model.powers import absolute_power, signed_power
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, R1Operation
 from rsym.model.symbols import postorder, rebuild
+from rsym.verify.angles import root_of_angles, unfolded
 from rsym.verify.boxes.polynomials import sum_of_squares
 
 ROUNDS = 3  # a rule may make room for another one
@@ -120,43 +121,10 @@ def _recognised(part: sp.Basic) -> sp.Basic | None:
 
 def _freed(part: sp.Basic) -> sp.Basic | None:
     if isinstance(part, sp.asin | sp.acos):
-        return _unfolded(part)
+        return unfolded(part)
     if isinstance(part, sp.Pow) and isinstance(part.exp, sp.Rational) and part.exp.q == 2:
-        return _root_without_squares(part) or _root_of_squares(part) or _root_of_angles(part)
+        return _root_without_squares(part) or _root_of_squares(part) or root_of_angles(part)
     return _modulus_without_squares(part) if isinstance(part, sp.Abs) else None
-
-
-def _unfolded(part: sp.asin | sp.acos) -> sp.Expr | None:
-    """The arc of the sine or cosine of an angle, by both of them: analytic but where a modulus is zero."""
-    (inner,) = part.args
-    if not isinstance(inner, sp.sin | sp.cos):
-        return None
-    other = sp.cos if isinstance(inner, sp.sin) else sp.sin
-    arc = sp.atan2(inner, sp.Abs(other(inner.args[0])))
-    return arc if isinstance(part, sp.asin) else sp.pi / 2 - arc
-
-
-def _root_of_angles(part: sp.Pow) -> sp.Expr | None:
-    """A root with a(1 - cos(u)), a(1 + sin(u)), a(1 - cos(u)**2) and the like under it written as a square."""
-    factors = sp.Mul.make_args(part.base)
-    squared = [_square_of_angle(factor) or factor for factor in factors]
-    return None if squared == list(factors) else sp.Pow(sp.Mul(*squared), part.exp)
-
-
-def _square_of_angle(factor: sp.Expr) -> sp.Expr | None:
-    """A term a(1 - cos(u)), a > 0, and the like as a multiple of a square."""
-    constant, rest = factor.as_independent(sp.sin, sp.cos, as_Add=True)
-    coefficient, wave = rest.as_independent(sp.sin, sp.cos, as_Add=False)
-    base, exponent = wave.as_base_exp()
-    if not (isinstance(base, sp.sin | sp.cos) and constant.is_positive):
-        return None  # the root of cos(u) - 1 is defined at points alone
-    if exponent == 2 and constant == -coefficient:
-        return constant * (sp.cos if isinstance(base, sp.sin) else sp.sin)(base.args[0]) ** 2
-    if exponent != 1 or constant not in (coefficient, -coefficient):
-        return None
-    angle = base.args[0] if isinstance(base, sp.cos) else sp.pi / 2 - base.args[0]
-    half = sp.sin if constant == -coefficient else sp.cos
-    return 2 * constant * half(angle / 2) ** 2
 
 
 def _gathered(part: sp.Basic) -> sp.Basic | None:

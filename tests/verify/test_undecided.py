@@ -177,3 +177,37 @@ def test_a_fold_in_space_is_an_edge():
     fold = rsym.Shape(z - sp.sqrt(1 - sp.cos(sp.sqrt(2) * x + y)), (x, y, z), bounds=((-2, 2),) * 3)
     report = rsym.verify_smoothness(fold)
     assert (report.verdict, report.curves[0].kind, report.curves[0].proved) == ("REFUTED", "edge", True)
+
+
+LENGTH = x**2 + y**2
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        LENGTH ** sp.Rational(3, 4),
+        LENGTH ** sp.Rational(2, 3),
+        LENGTH ** sp.Rational(3, 4) / 3 - x * y - x**2,
+        sp.sin(LENGTH ** sp.Rational(3, 4)),
+    ],
+)
+def test_powers_of_a_distance_between_one_and_two_bend_without_bound(height):
+    report = rsym.verify_smoothness(rsym.Shape(y - height, (x, y), bounds=((-2, 2), (-2, 2))))
+    assert (report.verdict, report.continuity) == ("REFUTED", "G1")
+    (defect,) = report.defects
+    assert (defect.kind, defect.proved, defect.curvature_jump) == ("unbounded curvature", True, math.inf)
+    assert defect.point == pytest.approx((0, 0), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("height", "verdicts"),
+    [
+        (LENGTH ** sp.Rational(5, 4), {"CERTIFIED"}),
+        ((LENGTH + sp.Rational(1, 1000)) ** sp.Rational(3, 4), {"CERTIFIED"}),
+        (LENGTH ** sp.Rational(3, 4) * x, {"CERTIFIED", "UNDECIDED"}),
+        (LENGTH ** sp.Rational(3, 4) * (1 - sp.cos(x)), {"CERTIFIED", "UNDECIDED"}),
+    ],
+)
+def test_a_power_that_is_smooth_or_has_a_factor_that_vanishes_is_not_refuted(height, verdicts):
+    report = rsym.verify_smoothness(rsym.Shape(y - height, (x, y), bounds=((-1, 1), (-1, 1))))
+    assert report.verdict in verdicts
