@@ -12,13 +12,14 @@ arithmetic stay as they are. A *gate* is a min or a max of two operands; gates a
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
+from rsym.errors import RsymError
 from rsym.logic.steps import has_steps, is_between, parted, sign_gate
-from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size
+from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size, unscaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
 from rsym.model.symbols import with_operands
@@ -141,6 +142,21 @@ class SignForm:
             if wall not in self.builder.faces
         }
 
+    @property
+    def traced(self) -> bool:
+        """Whether all jumps of leaves are at conditions of their own: not those of a floor or a Mod."""
+        nodes, uniform = self.builder.nodes, self.builder.uniform
+        return not any(nodes[part].operation == "floor" and not uniform[part] for part in live(nodes, self.leaves))
+
+    def require_traced(self) -> None:
+        """Refuse leaves with jumps that no condition of their own tells."""
+        if not self.traced:
+            raise RsymError(
+                "the boundary jumps with a floor or a Mod, and where it does cannot be traced",
+                code="jump",
+                remedy="write the pieces that lie in the bounds as a union, or as a Piecewise of conditions",
+            )
+
     def capped(self) -> SignForm:
         """The form inside its bounds, six leaves more; the bounds are the letters ``x lower``, ``x upper``, ..."""
         b = self.builder
@@ -262,7 +278,8 @@ def known_form(shape: Shape) -> SignForm | None:
     form = shape_form(shape)
     nodes, uniform = form.builder.nodes, form.builder.uniform
     signs = {number for number, node in enumerate(nodes) if node.operation == "sign" and not uniform[number]}
-    return form if form.builder.rewritten or not signs <= set(live(nodes, form.leaves)) else None
+    known = form.traced and not form.builder.rewritten and signs <= set(live(nodes, form.leaves))
+    return None if known else form
 
 
 def surface_program(shape: Shape, fields: Sequence[str]) -> Program:
@@ -287,7 +304,7 @@ def sign_form(builder: Builder, number: int) -> SignForm:
     if made == number:
         return form
     builder.rewritten = True
-    return replace(_gated(builder, made), parameters=form.parameters)
+    return replace(_gated(builder, made, alike=unscaled), parameters=form.parameters)
 
 
 def decided(builder: Builder, number: int) -> int:
@@ -315,15 +332,22 @@ def _known(builder: Builder, number: int, guards: Collection[int]) -> int:
     ]
 
 
-def _gated(builder: Builder, number: int) -> SignForm:
-    """The sign form of a node by its gates alone."""
-    leaves: dict[int, int] = {}
+def _gated(builder: Builder, number: int, alike: Callable[[Builder, int], Hashable] | None = None) -> SignForm:
+    """The sign form of a node by its gates alone; leaves of which `alike` tells the same are one, the first.
+
+    Conditions and what they choose are often the same leaf, written otherwise.
+    """
+    leaves: dict[Hashable, int] = {}
+    nodes: list[int] = []
     joined: list[tuple[str, Operand, Operand]] = []
     parameters: dict[tuple[str, int], None] = {}
     done: dict[Signed, Operand] = {}
     for part, operands in with_operands(stripped(builder, number), partial(_operands, builder), tuple):
         if not operands:
-            done[part] = Operand(False, leaves.setdefault(of_size(builder, part).made(builder), len(leaves)))
+            node = of_size(builder, part).made(builder)
+            place = leaves.setdefault(node if alike is None else alike(builder, node), len(nodes))
+            nodes += [node] if place == len(nodes) else []
+            done[part] = Operand(False, place)
             continue
         operation, arguments, _ = builder.nodes[part.number]
         parameters.update(((operation, parameter), None) for parameter in arguments[2:])
@@ -333,8 +357,8 @@ def _gated(builder: Builder, number: int) -> SignForm:
         else:
             joined.append((gate_of(operation, part.sign), first, second))
             done[part] = Operand(True, len(joined) - 1)
-    gates = tuple(Gate(op, *(operand.after(len(leaves)) for operand in operands)) for op, *operands in joined)
-    return SignForm(builder, tuple(leaves), gates, tuple(parameters))
+    gates = tuple(Gate(op, *(operand.after(len(nodes)) for operand in operands)) for op, *operands in joined)
+    return SignForm(builder, tuple(nodes), gates, tuple(parameters))
 
 
 def _operands(builder: Builder, part: Signed) -> Sequence[Signed]:

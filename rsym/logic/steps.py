@@ -12,13 +12,16 @@ from collections.abc import Callable, Collection, Sequence
 from functools import partial
 from typing import Any
 
+import sympy as sp
+
 from rsym.backends.interpreter import interpret
-from rsym.logic.domains import ROOTS, bounded, lowest, replaced
+from rsym.logic.domains import MOST_PARTS, ROOTS, bounded, lowest, replaced
 from rsym.logic.poles import without_pole
 from rsym.logic.stripping import bare, factor, formal_sign
 from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import live
+from rsym.program.raising import raised
 
 MOST_STEPS = 8  # within each other: each may double a leaf
 POINTS, HALVINGS = 256, 60
@@ -130,18 +133,23 @@ def _steps(builder: Builder, leaf: int, *, across: bool = False) -> Any:
 
 def is_partial(builder: Builder, *numbers: int) -> bool:
     """Whether one of some nodes may have no value somewhere, beside where its conditions have none."""
-    checks: dict[int, int] = {}
-    for part in live(builder.nodes, numbers):
-        operation, arguments, _ = builder.nodes[part]
-        if operation == "select" and part in builder.steps and formal_sign(builder, builder.sub(*arguments[:2])) > 0:
-            checks[part] = replaced(builder, arguments[2], checks)
-    for part in live(builder.nodes, [replaced(builder, number, checks) for number in numbers]):
+    for part in live(builder.nodes, [_unchecked(builder, number) for number in numbers]):
         operation, arguments, _ = builder.nodes[part]
         if operation == "undefined":
             return True
         if operation in ROOTS and lowest(builder, arguments[0]) < 0:
             return True
     return False
+
+
+def _unchecked(builder: Builder, number: int) -> int:
+    """The node without the choices whose conditions hold wherever they have a value."""
+    checks: dict[int, int] = {}
+    for part in live(builder.nodes, [number]):
+        operation, arguments, _ = builder.nodes[part]
+        if operation == "select" and part in builder.steps and formal_sign(builder, builder.sub(*arguments[:2])) > 0:
+            checks[part] = replaced(builder, arguments[2], checks)
+    return replaced(builder, number, checks)
 
 
 def _is_undefined(builder: Builder, number: int) -> bool:
@@ -155,15 +163,17 @@ def _is_undefined(builder: Builder, number: int) -> bool:
 
 
 def _jumps(builder: Builder, leaf: int, step: int, condition: int, yes: int, no: int, across: bool) -> bool:
-    """Whether a leaf jumps where a condition in it changes its sign, as points show; so if none of these is found.
+    """Whether a leaf jumps where a condition in it changes its sign, by algebra, or else as points show.
 
-    What the condition decides is compared in one point, or `across` it, each on its side, which hides thin sets.
+    So too if none of these is found. What the condition decides is compared in one point, or `across` it, each on its
+    side, which hides thin sets.
     """
     if builder.value(condition) is not None:
         return True
-    program = builder.program(
-        {"condition": condition, **{f"{k}": replaced(builder, leaf, {step: n}) for k, n in enumerate((yes, no))}}
-    )
+    one, other = (replaced(builder, leaf, {step: chosen}) for chosen in (yes, no))
+    if (proved := _divides(builder, condition, _unchecked(builder, builder.sub(one, other)))) is not None:
+        return not proved
+    program = builder.program({"condition": condition, "0": one, "1": other})
     chance = random.Random(20130605)
     inputs = [[[chance.uniform(-1, 1) for _ in range(POINTS)] for _ in builder.coordinates] for _ in range(2)]
     for rows in inputs:
@@ -197,3 +207,56 @@ def _jumps(builder: Builder, leaf: int, step: int, condition: int, yes: int, no:
         if cross and abs(up) + abs(down) < float("inf")
     ]
     return any(gaps) or not gaps
+
+
+def _divides(builder: Builder, condition: int, difference: int) -> bool | None:
+    """Whether a difference is zero where a condition is, as its multiple by a polynomial; None if that is not known.
+
+    Of absolute values, minima and maxima each side is asked. Of polynomials a remainder is a proof that it is not zero
+    there, but where the condition has no zeros, or a factor without any; then gates are no harm.
+
+    Examples
+    --------
+    >>> b = Builder(("x", "y"), ())
+    >>> x, y = b.input("x"), b.input("y")
+    >>> _divides(b, x, b.mul(x, b.abs(y))), _divides(b, x, b.make("max", x, b.input("y"))), _divides(b, x, b.sqrt(y))
+    (True, False, None)
+    """
+    if len(live(builder.nodes, [condition, difference])) > MOST_PARTS:
+        return None
+    divisor, _ = sp.fraction(sp.together(raised(builder.nodes, condition)))
+    alone = divisor.is_polynomial()
+    for branch in _branches(builder, difference):
+        dividend, _ = sp.fraction(sp.together(raised(builder.nodes, branch)))
+        if dividend.is_number:
+            if dividend == 0:
+                continue
+            return False if alone else None
+        try:
+            (_, rest), whole = sp.reduced(dividend, [divisor]), sp.Poly(dividend)
+        except (sp.PolynomialError, sp.polys.polyerrors.BasePolynomialError):
+            return None
+        sizes = [abs(number) for number in sp.Poly(rest, *whole.gens).coeffs()]
+        if max(sizes) > CONTINUOUS * max(abs(number) for number in whole.coeffs()):
+            return False if alone and dividend.is_polynomial() else None
+    return True
+
+
+def _branches(builder: Builder, number: int) -> list[int]:
+    """The node with each of the sides of its absolute values, minima and maxima, a few at most."""
+    found = [number]
+    for _ in range(MOST_STEPS):
+        kinks = [(one, part) for one in found for part in live(builder.nodes, [one]) if _sides(builder, part)]
+        if not kinks:
+            break
+        one, part = kinks[0]
+        found.remove(one)
+        found += [replaced(builder, one, {part: side}) for side in _sides(builder, part)]
+    return found
+
+
+def _sides(builder: Builder, part: int) -> tuple[int, ...]:
+    operation, arguments, _ = builder.nodes[part]
+    if operation == "abs":
+        return arguments[0], builder.neg(arguments[0])
+    return arguments if operation in {"min", "max"} else ()

@@ -20,10 +20,8 @@ from rsym.model.shape import Shape
 from rsym.output.dxf import layer_name, layers_dxf
 from rsym.output.looks import Look
 from rsym.output.units import UNITS
-from rsym.sampling.level_lines import level_lines
-from rsym.sampling.outlines import outline_within
+from rsym.sampling.level_lines import level_lines, trace
 from rsym.sampling.plane import GIVEN, GivenField, plane_sampler
-from rsym.sampling.plane_leaves import leaves_of
 
 LAYERS = (".svg", ".dxf")
 DIGITS = 9  # significant digits of coordinates in SVG; a metre to a nanometre
@@ -81,7 +79,7 @@ def level_layers(of: Shape | GivenField, levels: Any, resolution: int | Sequence
         )
     fine: Any = {"resolution": RESOLUTION if resolution is None else resolution}
     sampler = plane_sampler(shape, "value", **fine)
-    outline = outline_within(sampler, leaves_of(shape, sampler.free, {}, None, sampler.bounds))
+    outline = trace(sampler, 0.0, bounds=sampler.bounds)
     if not outline.lines:
         raise RsymError(
             "the shape has no outline in its bounds", code="no-surface", remedy="widen them, or a larger resolution="

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.requirements import optional_package
 from rsym.model.shape import Bounds
 from rsym.reports.document import Document, Sentence, numerical
 from rsym.reports.render import Report
+from rsym.reports.words import plural
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.stills import line_picture
 
@@ -31,7 +32,9 @@ class LevelLinesStatus(Report):
     """How many vertices reached the level, how many kept their place, how many samples were undefined.
 
     `unresolved_corners` counts neighbours on different leaves without a corner between them: the
-    lattice is too coarse there, and a line may jump over a gap thinner than a cell.
+    lattice is too coarse there, and a line may jump over a gap thinner than a cell. `unseen` counts cells, of the size
+    `finer`, where something may be thinner than they are, near `place` first; what a lattice does not show is drawn on
+    finer ones before. Only if `examined`: a field that is not the value of a shape is not.
     """
 
     vertices: int
@@ -40,6 +43,20 @@ class LevelLinesStatus(Report):
     closed: int
     open: int
     unresolved_corners: int = 0
+    unseen: int = 0
+    place: tuple[float, float] | None = None
+    finer: float = 0.0
+    examined: bool = True
+
+    @property
+    def remark(self) -> str:
+        """Where something is thinner than the finest cells that were looked at."""
+        if self.place is None:
+            return ""
+        near = f"near ({self.place[0]:.4g}, {self.place[1]:.4g})"
+        return (
+            f"Unresolved in {plural(self.unseen, 'cell')} of {self.finer:.2g}: lines may be missing or joined {near}."
+        )
 
     def document(self) -> Document:
         """All that the status says; nothing of it is proved."""
@@ -48,6 +65,7 @@ class LevelLinesStatus(Report):
             f"Vertices unresolved, kept where linear interpolation put them: {self.kept}.": self.kept,
             f"Corners unresolved, where a cell holds too much: {self.unresolved_corners}.": self.unresolved_corners,
             f"The field is undefined at {self.undefined_samples} samples.": self.undefined_samples,
+            self.remark: self.unseen,
         }
         told = numerical(text for text, count in troubles.items() if count)
         return Document("level-lines", Sentence(lines, False), sentences=told, data=asdict(self))
@@ -161,6 +179,13 @@ class LevelLines(Sequence[Floats]):
     def _repr_html_(self) -> str:
         words = escape(f"{self.field} = {self.level:g}: {self.status}")
         return f"<div>{line_picture(self.lines)}<br>{words}</div>"
+
+
+def told(lines: LevelLines) -> LevelLines:
+    """The same lines; a warning where something may be thinner than the finest cells."""
+    if lines.status.unseen:
+        warn(lines.status.remark)
+    return lines
 
 
 def _signed_area(line: Floats) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from skimage.measure import find_contours
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 
 # The sides of a square of four entries, and the entries at their ends, which count by rows.
 _T, _B, _L, _R = range(4)
@@ -62,6 +62,31 @@ def index_lines(values: Floats, level: float) -> list[Floats]:
     return lines
 
 
+def lines_through(middles: Ints, high: Flags) -> list[Ints]:
+    """Lines through squares of any size by the middles of their sides, high ones to the left.
+
+    Parameters
+    ----------
+    middles : (k, 4, 2) array of int
+        Of the sides of smaller row, larger row, smaller column and larger column: they name what squares share.
+    high : (k, 4) array of bool
+        The corners, by rows.
+
+    Examples
+    --------
+    >>> square = np.array([[[0, 1], [2, 1], [1, 0], [1, 2]]])
+    >>> [line.tolist() for line in lines_through(square, np.array([[False, False, True, True]]))]
+    [[[1, 0], [1, 2]]]
+    """
+    case = high @ np.array([1, 2, 4, 8])
+    square = np.repeat(np.arange(len(case)), _COUNT[case])
+    second = (np.diff(square, prepend=-1) == 0).astype(np.int64)
+    goes, comes = middles[square[:, None], _SIDES[case[square], second]].swapaxes(0, 1)
+    width = int(middles[..., 1].max(initial=0)) + 1
+    after = _each_after(*(place @ np.array([width, 1]) for place in (comes, goes)))
+    return [np.concatenate([comes[line], goes[line[-1:]]]) for line in _followed(after)]
+
+
 def _segments(values: Floats, level: float) -> tuple[Floats, Floats]:
     """Where the lines come into the squares, by rows, and where they leave them, in indices (n, 2)."""
     high = values > level
@@ -106,6 +131,16 @@ def _after(start: Ints, end: Ints) -> Ints | None:
     after = np.full(len(start), -1)
     after[goes_on] = followers
     return after
+
+
+def _each_after(start: Ints, end: Ints) -> Ints:
+    """Which segment comes after each, -1 where none does; of several that meet the first comes after the first."""
+    order, ends = np.argsort(start, kind="stable"), np.argsort(end, kind="stable")
+    place = np.empty(len(end), np.int64)
+    place[ends] = np.arange(len(end)) - np.searchsorted(end[ends], end[ends]) + np.searchsorted(start[order], end[ends])
+    goes_on = place < len(start)
+    goes_on[goes_on] = start[order[place[goes_on]]] == end[goes_on]
+    return np.asarray(np.where(goes_on, order[np.where(goes_on, place, 0)], -1)) if len(start) else place
 
 
 def _followed(after: Ints) -> list[Ints]:

@@ -12,7 +12,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.contours import LevelLines, LevelLinesStatus, move_onto_level, turned_like, within
+from rsym.sampling.contours import LevelLines, LevelLinesStatus, move_onto_level, told, turned_like, within
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.outlines import known_outline
 from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler, plane_section
@@ -127,8 +127,8 @@ def trace(
     bounds: Bounds | None = None,
 ) -> LevelLines:
     """The level lines of a prepared field over its lattice, or within bounds; `values` are its samples, if known."""
-    if level == 0 and field == "value" and sampler.known is not None:
-        return known_outline(sampler, cut=bounds is not None)
+    if level == 0 and field == "value" and sampler.given is None:
+        return told(known_outline(sampler, cut=bounds is not None))
     values = sampler.values() if values is None else values
     undefined = int(np.count_nonzero(np.isnan(values)))
     if undefined == values.size:

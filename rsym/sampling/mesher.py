@@ -62,6 +62,7 @@ class SharpMesher:
     def __init__(self, shape: Shape, backend: str | None = None, form: SignForm | None = None) -> None:
         self.shape = shape
         self.form = opened(surface_form(shape)).capped() if form is None else form
+        self.form.require_traced()
         by_tapes = backend_for(self.form, backend) == "tape"
         self._kernels: Any = region_kernels(self.form) if by_tapes else mesher_kernels(self.form)
         self._region = whole_form(self.form)

@@ -14,28 +14,36 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
-from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves, leaves_of
+from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of
 from rsym.sampling.roots import bracketed_roots
+from rsym.sampling.unseen import edges_of, seen_lines
 
-# The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
-REACH = 16.0
 # Leaves that meet at an angle below this, in radians, have no corner to lose.
 SMOOTH_JOINT = 1e-2
 
 
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
-    """The lines omega = 0 of a prepared plane."""
-    return outline_on_edges(sampler, leaves, sampler.signs())[0]
+    """The lines omega = 0 of a prepared plane; what is thinner than a cell is looked for."""
+    signs = _defined(sampler.signs())
+    seen = seen_lines(sampler.lattice, signs, leaves)
+    found = _on_leaves(sampler, leaves, signs, seen.lines)[0]
+    told = {name: getattr(seen, name) for name in ("unseen", "place", "finer", "examined")}
+    return replace(found, status=replace(found.status, **told))
 
 
 def known_outline(sampler: PlaneSampler, *, cut: bool) -> LevelLines:
     """The lines omega = 0 of what has no value somewhere or jumps, with ends at the ends of domains."""
     leaves = leaves_of(sampler.shape, sampler.free, sampler.fixed, sampler.letters, sampler.bounds)
     found = (outline_within if cut else outline)(sampler, leaves)
+    if not leaves.form.traced:
+        warn(
+            "the boundary jumps with a floor or a Mod: there lines are right at their vertices, and cut corners; "
+            "remedy: write the pieces that lie in the bounds as a union, or as a Piecewise of conditions"
+        )
     return replace(found, status=replace(found.status, undefined_samples=int(np.isnan(sampler.values()).sum())))
 
 
@@ -70,11 +78,24 @@ def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
 def outline_on_edges(
     sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats
 ) -> tuple[LevelLines, tuple[Floats, ...]]:
-    """The lines omega = 0, and of each the indices (n, 2) of the middles of the edges it crosses; NaN at corners."""
+    """The lines omega = 0, and of each the indices (n, 2) of the middles of the edges it crosses; NaN at corners.
+
+    What is thinner than a cell is not looked for: all edges are of the lattice.
+    """
+    # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
+    return _on_leaves(sampler, leaves, signs, [line[::-1] for line in index_lines(_defined(signs), 0.0)])
+
+
+def _defined(signs: Floats) -> Floats:
     if np.isnan(signs).all():
         raise RsymError("omega is undefined in all of the plane", code="undefined", remedy="choose other bounds")
-    # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
-    found = [line[::-1] for line in index_lines(signs, 0.0)]
+    return signs
+
+
+def _on_leaves(
+    sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats, found: Sequence[Floats]
+) -> tuple[LevelLines, tuple[Floats, ...]]:
+    """Lines by the middles of the edges that they cross, each vertex on its leaf, and corners where leaves meet."""
     cell = min(sampler.lattice.spacing)
     index = np.concatenate([*found, np.empty((0, 2))])
     points = _on_edges(sampler, leaves, index)
@@ -106,9 +127,9 @@ def outline_on_edges(
 
 def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floats:
     """The zero of the form on the edge of each vertex; `index` holds the middles of the edges."""
-    low = np.floor(index)
-    along = index - low > 0
-    start, end = (leaves.active(sampler.lattice.points(low + k * along))[0] for k in (0, 1))
+    low, high = edges_of(index)
+    along = high - low
+    start, end = (leaves.active(sampler.lattice.points(end))[0] for end in (low, high))
 
     def at(t: Floats, which: Ints) -> Floats:
         return leaves.active(sampler.lattice.points(low[which] + t[:, None] * along[which]))[0]
@@ -190,7 +211,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
 def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> Flags:
     return (
         _near(joints, corner, cell)
-        & _meet(leaves, corner, joints.one, joints.other, cell)
+        & leaves.meet(corner, joints.one, joints.other, cell)
         & _bounds(leaves, joints.before, corner, joints.one, cell)
         & _bounds(leaves, corner, joints.after, joints.other, cell)
     )
@@ -203,8 +224,8 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
     holds[near] = (
-        _meet(leaves, one, some.one, third, cell)
-        & _meet(leaves, two, third, some.other, cell)
+        leaves.meet(one, some.one, third, cell)
+        & leaves.meet(two, third, some.other, cell)
         & _bounds(leaves, some.before, one, some.one, cell)
         & _bounds(leaves, one, two, third, cell)
         & _bounds(leaves, two, some.after, some.other, cell)
@@ -215,13 +236,6 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
 def _near(joints: Joints, points: Floats, cell: float) -> Flags:
     near: Flags = np.linalg.norm(points - joints.before, axis=1) <= REACH * cell
     return near
-
-
-def _meet(leaves: PlaneLeaves, points: Floats, one: Ints, other: Ints, cell: float) -> Flags:
-    """Whether both leaves are zero at each point: Newton's method ends somewhere where they are nowhere."""
-    with np.errstate(all="ignore"):
-        cells = [np.abs(f) / np.linalg.norm(slope, axis=1) / cell for f, slope in leaves.of(points, one, other)]
-    return np.asarray(np.maximum(*cells) <= ON_LEVEL)
 
 
 def _bounds(leaves: PlaneLeaves, start: Floats, end: Floats, leaf: Ints, cell: float) -> Flags:

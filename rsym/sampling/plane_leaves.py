@@ -9,15 +9,20 @@ from typing import Any
 
 import numpy as np
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
+from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.sign_form import Gate, SignForm, shape_form, through
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
 from rsym.program.differentiation import derivative
+from rsym.sampling.contours import ON_LEVEL
+from rsym.sampling.form_signs import Signs, joined_signs, signs_between
 from rsym.sampling.plane import large_form
 
 NEWTON_STEPS = 12
+# The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
+REACH = 16.0
 
 
 @dataclass(frozen=True)
@@ -69,6 +74,76 @@ class PlaneLeaves:
             return value, leaf.astype(np.int64)
         return active_leaf(self.form.gates, self._every(points)[0][: self.count])
 
+    def signs_over(self, low: Floats, high: Floats) -> Signs:
+        """The sign that the form has all over boxes with corners (n, 2): 1 or -1, 0 where that is not known."""
+        if self._large is not None:
+            signs: Signs = self._large.signs_over(self._ends(low, high))
+            return signs
+        return self._signs_over(low, high)[-1]
+
+    def slopes_over(self, low: Floats, high: Floats) -> Signs:
+        """Along both coordinates (n, 2) the sign of the slope of the only leaf that matters in a box.
+
+        0 where that sign is not known, or several leaves matter; all 0 for a large form.
+        """
+        if self._large is not None:
+            return np.zeros((len(low), 2), np.int8)
+        matters = self._mattering(low, high)
+        slopes = np.array([signs_between(*pair) for pair in self._slopes(low, high)]).reshape(2, self.count, -1)
+        one = np.count_nonzero(matters, axis=0) == 1
+        return np.asarray(np.where(one, np.where(matters, slopes, 0).sum(axis=1), 0).T.astype(np.int8))
+
+    def crossing_over(self, low: Floats, high: Floats) -> tuple[Ints, Ints]:
+        """The two leaves that alone matter in a box, if they cross there at one point at most; else -1."""
+        if self._large is not None or self.count < 2 or not len(low):
+            return np.full((2, len(low)), -1)[0], np.full(len(low), -1)
+        matters = np.zeros((self.count, len(low)), np.bool_)
+        np.logical_or.at(matters, self._zeros, self._mattering(low, high))
+        pair = np.sort(np.argsort(~matters, axis=0, kind="stable")[:2], axis=0)
+        bounds = np.array(self._slopes(low, high)).reshape(2, self.count, 2, -1)
+        (a, c), (b, d) = (bounds[axis, pair, :, np.arange(len(low))] for axis in (0, 1))  # (n, 2) each
+        with np.errstate(all="ignore"):
+            first, second = (_products(*factors) for factors in ((a, d), (b, c)))
+            turns = (first[0] > second[1]) | (first[1] < second[0])
+        turns |= np.isin(pair, self.walls).any(axis=0)  # where a line ends, upright perhaps
+        return tuple(np.where((np.count_nonzero(matters, axis=0) == 2) & turns, pair, -1))
+
+    def meet(self, points: Floats, one: Ints, other: Ints, cell: float) -> Flags:
+        """Whether both leaves are zero at each point: Newton's method ends somewhere where they are nowhere."""
+        with np.errstate(all="ignore"):
+            cells = [np.abs(f) / np.linalg.norm(slope, axis=1) / cell for f, slope in self.of(points, one, other)]
+        return np.asarray(np.maximum(*cells) <= ON_LEVEL)
+
+    def _mattering(self, low: Floats, high: Floats) -> Flags:
+        """Which leaves (leaves, n) the sign of the form may hang on in boxes."""
+        signs = self._signs_over(low, high)
+        matters = [np.zeros(len(low), np.bool_) for _ in signs]
+        matters[-1] = signs[-1] == 0
+        for number, gate in reversed(list(enumerate(self.form.gates, self.count))):
+            for part in (gate.first, gate.second):
+                matters[part] |= matters[number] & (signs[part] == 0)
+        return np.array(matters[: self.count])
+
+    def _signs_over(self, low: Floats, high: Floats) -> list[Signs]:
+        """Of the leaves and the gates."""
+        signs = [signs_between(*pair) for pair in self._bounded(_leaf_bounds(self.form), low, high)]
+        for number in self.flat:
+            signs[number] = np.ones_like(signs[number])
+        return through(self.form.gates, signs, joined_signs)
+
+    def _slopes(self, low: Floats, high: Floats) -> list[tuple[Floats, Floats]]:
+        """Bounds of the slopes of all leaves along one coordinate, then along the other."""
+        return self._bounded(_slope_bounds(self.form, self.free), low, high)
+
+    def _bounded(self, function: IntervalFunction, low: Floats, high: Floats) -> list[tuple[Floats, Floats]]:
+        letters = dict.fromkeys(function.program.letters, 0.0) | self.shape.letters.values_with(self.letters)
+        lower, upper = self._ends(low, high)
+        return list(function(lower, upper, letters).values())
+
+    def _ends(self, low: Floats, high: Floats) -> Floats:
+        """Boxes of the plane in the coordinates of the shape, lower and upper ends (2, dim, n)."""
+        return np.stack([self.placed(low).T, self.placed(high).T])
+
     def of(self, points: Floats, *leaves: Ints) -> Iterator[tuple[Floats, Floats]]:
         """For each array of leaves the value (n,) and the gradient (n, 2) of the leaf of each point."""
         if self._large is None:
@@ -115,6 +190,13 @@ class PlaneLeaves:
             with np.errstate(all="ignore"):
                 points = points - np.stack([f * v - g * q, g * p - f * u], axis=1) / (p * v - q * u)[:, None]
         return points
+
+    @cached_property
+    def _zeros(self) -> Ints:
+        """Of each leaf the first that is zero where it is: itself, or what it is the negative of."""
+        builder, leaves = self.form.builder, self.form.leaves
+        plain = [min(leaf, builder.neg(leaf)) for leaf in leaves]
+        return np.array([plain.index(node) for node in plain], np.int64)
 
     @cached_property
     def walls(self) -> Ints:
@@ -167,6 +249,21 @@ class PlaneLeaves:
 
 
 @recently(16)
+def _leaf_bounds(form: SignForm) -> IntervalFunction:
+    """In NumPy: called some ten times for thousands of boxes, and nothing is compiled."""
+    program = form.builder.program({f"leaf_{k}": leaf for k, leaf in enumerate(form.leaves)})
+    return IntervalFunction(program, "numpy", sharpened=tuple({number for _, number in program.outputs}))
+
+
+@recently(16)
+def _slope_bounds(form: SignForm, free: tuple[int, int]) -> IntervalFunction:
+    builder = form.builder
+    names = [builder.coordinates[axis] for axis in free]
+    slopes = [derivative(builder, leaf, name) for name in names for leaf in form.leaves]
+    return IntervalFunction(builder.program({f"slope_{k}": node for k, node in enumerate(slopes)}), "numpy")
+
+
+@recently(16)
 def _all_leaves(form: SignForm, shape: Shape, free: tuple[int, int]) -> Kernel:
     """Value and gradient in the plane of each leaf."""
     builder = form.builder
@@ -176,6 +273,12 @@ def _all_leaves(form: SignForm, shape: Shape, free: tuple[int, int]) -> Kernel:
         outputs[f"leaf_{k}"] = leaf
         outputs.update({f"leaf_{k}_{i}": derivative(builder, leaf, builder.coordinates[i]) for i in free})
     return compile_program(builder.program(outputs), (), shape)
+
+
+def _products(one: Floats, other: Floats) -> tuple[Floats, Floats]:
+    """The ends of products of intervals (n, 2)."""
+    ends = (one[:, :, None] * other[:, None, :]).reshape(-1, 4)
+    return ends.min(axis=1), ends.max(axis=1)
 
 
 def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tuple[Floats, Ints]:

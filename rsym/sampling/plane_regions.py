@@ -232,6 +232,16 @@ class PlaneForm(OwnLeaves):
         """The signs at the points of a lattice, 0 counts as positive, and whether the form is undefined somewhere."""
         return _signs(PlaneBoxes(self.kernels, lattice, self.free, self.fixed))
 
+    def signs_over(self, ends: Floats) -> NDArray[np.int8]:
+        """The sign that the form has all over boxes, lower and upper ends (2, dim, n), 0 where that is not known."""
+        every = np.zeros((6, ends.shape[2]))
+        every[: 2 * ends.shape[1] : 2], every[1 : 2 * ends.shape[1] : 2] = ends
+        for axis, value in self.fixed.items():
+            every[2 * axis : 2 * axis + 2] = value
+        boxes = PlaneBoxes(self.kernels, Lattice((0.0, 0.0), (1.0, 1.0), (1, 1)), self.free, self.fixed)
+        sides = self.kernels.sides(every, np.zeros(ends.shape[2], np.int64), None, boxes.run)[0]
+        return np.where(sides == KEPT, 0, np.where(sides == INSIDE, 1, -1)).astype(np.int8)
+
     def value(self, points: Floats) -> tuple[Floats, Shorts]:
         """The form at points (n, 2), and its active leaf."""
         places = self.in_space(points)

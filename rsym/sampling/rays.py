@@ -247,6 +247,7 @@ _naming = threading.Lock()  # names are made with the nodes of a form that caste
 def _made(shape: Shape, backend: str) -> tuple[LeafFields, Kernels]:
     """What casters of a shape share."""
     fields = LeafFields(shape)
+    fields.form.require_traced()
     return fields, _kernels(fields, backend)
 
 

@@ -175,8 +175,7 @@ def sample(
     drawn = _gathered(source, drawn_in_all, generator)
     if stratified:
         strata = np.argsort(drawn.order, kind="stable").reshape(n, CANDIDATES)
-        chosen = strata[np.arange(n), generator.integers(CANDIDATES, size=n)]
-        drawn = drawn.take(generator.permutation(chosen))
+        drawn = drawn.take(generator.permutation(strata[np.arange(n), generator.integers(CANDIDATES, size=n)]))
     return Samples(drawn.points, drawn.normals, drawn.parts)
 
 
@@ -228,8 +227,7 @@ def _inside(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> _
         raise RsymError(
             "the inside goes on without end", code="unbounded", remedy="give bounds=((xmin, xmax), ...), or ~shape"
         )
-    signs = proved_signs(shape, letters)
-    boxes, within = _holding(signs, Boxes(lower[:, None], upper[:, None]))
+    boxes, within = _holding(proved_signs(shape, letters), Boxes(lower[:, None], upper[:, None]))
     if bounds is None and ((within.lower == lower[:, None]) | (within.upper == upper[:, None])).any():
         warn("the shape leaves its bounds; points are drawn within them alone, wider bounds=... hold all of it")
     volumes = np.prod(boxes.sides, axis=0)
@@ -294,11 +292,11 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
     on_faces = fields.on_faces(body)
     middles = body.vertices[body.faces].mean(axis=1)
     leaf = fields.active(middles) if body.leaf is None else body.leaf
+    walls = [*fields.form.walls]
     label = body.called if callable(body.called) else Labeller(shape, letters)
     a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
-    flat = np.cross(b - a, c - a)
-    areas = np.linalg.norm(flat, axis=1)
-    shares = np.cumsum(np.where(_wanted(shape, label(middles, leaf), over), areas, 0.0))
+    areas = np.linalg.norm(flat := np.cross(b - a, c - a), axis=1)
+    shares = np.cumsum(np.where(_wanted(shape, label(middles, leaf), over) & ~np.isin(leaf, walls), areas, 0.0))
 
     def draw(count: int, generator: np.random.Generator) -> _Drawn:
         faces = np.searchsorted(shares, shares[-1] * generator.random(count), side="right")
@@ -312,7 +310,8 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
             off = np.einsum("ij,ij->i", start - found["point"], normals)
             stretch = np.einsum("ij,ij->i", normals, plane) / (1 + 2 * found["mean_curvature"] * off)
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, plane)
-        away = distances(fields.at(fields.active(found["point"]), found["point"]))  # chords at a hollow edge lie off it
+        active = fields.active(found["point"])  # chords at a hollow edge lie off it
+        away = np.where(np.isin(active, walls), np.inf, distances(fields.at(active, found["point"])))
         kept = _kept(stretch, found["point"], away, box, generator)
         there = label(found["point"][kept], leaf[faces[kept]])
         kept, names = kept[there.on(over)], there.each[there.on(over)]
@@ -326,6 +325,7 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     box = bounds_or_extent(shape, bounds, letters)
     sampler = plane_sampler(shape, "value", resolution=resolution, bounds=box, letters=letters)
     leaves = leaves_of(shape, (0, 1), {}, letters, box)
+    leaves.form.require_traced()
     lines = [np.empty((0, 2)), *outline(sampler, leaves)]
     start, end = (np.concatenate([line[part] for line in lines]) for part in (slice(None, -1), slice(1, None)))
     along = end - start
@@ -356,9 +356,9 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
         (beyond,) = np.nonzero(other != number)  # the chord goes on from one leaf to the next
         back = onto(at[beyond], which[beyond], other[beyond])
         points[beyond] = at[beyond] + back[:, None] * across[which[beyond]]
-        value, gradient, _ = leaves.of_active(points)
+        value, gradient, active = leaves.of_active(points)
         with np.errstate(all="ignore"):
-            away = np.abs(value) / np.linalg.norm(gradient, axis=1)
+            away = np.where(np.isin(active, leaves.walls), np.inf, np.abs(value) / np.linalg.norm(gradient, axis=1))
             normals = -gradient / np.hypot(*gradient.T)[:, None]
             stretch = 1 / np.einsum("ij,ij->i", normals, across[which])
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, across[which])

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Floats
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import z
+from rsym.reports.words import plural
 from rsym.sampling.contours import LevelLines
 from rsym.sampling.outlines import outline_within
 from rsym.sampling.plane import plane_sampler
@@ -140,4 +141,8 @@ def sections(
         lines = outline_within(replace(first, fixed=fixed), here)
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
+    unseen = [section for section in found if section.lines.status.unseen]
+    if unseen:
+        others = f" (and in {plural(len(unseen) - 1, 'other section')})" if unseen[1:] else ""
+        warn(f"{axis} = {unseen[0].value:g}{others}: {unseen[0].lines.status.remark}")
     return tuple(found)

@@ -29,9 +29,10 @@ from rsym.verify.boxes.local import PRECISION, Box, Interval, Model, side
 from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.cover.arcs import ArcInspector
-from rsym.verify.cover.covering import Covering, bounds_of_omega, cover, extent_of, halves, pruner
+from rsym.verify.cover.covering import Covering, bounds_of_omega, cover, extent_of, halves, pruner, settled_finely
 from rsym.verify.cover.inspection import Inspection
 from rsym.verify.holes import holes
+from rsym.verify.points.clusters import Cluster
 from rsym.verify.points.plane import classify_joints
 from rsym.verify.revolution import meridian
 
@@ -115,7 +116,15 @@ def report_curve(study: CurveStudy, *, sharpening: int = SHARPENING) -> Smoothne
     effort, extent = study.effort, extent_of(study.region)
     effort.begin("points", SHARES[1])
     left = [(box, finding.locus) for box, finding in study.found.left]
-    suspects = classify_joints(study.model, left, extent, effort)
+    covers: dict[Box, Covering] = {}
+
+    def settles(cluster: Cluster) -> bool:
+        found = settled_finely(study.model, cluster.boxes, effort)
+        covers.update(found)
+        return bool(found)
+
+    suspects = classify_joints(study.model, left, extent, effort, settles)
+    study = replace(study, found=study.found.finer(covers))
     places = [*distinct(_located(study), badness), *suspects]
     tally = _tally(study, places)
     effort.begin("curvatures", SHARES[2])

@@ -93,3 +93,29 @@ def test_a_negative_constant_is_a_negation():
     assert scaled.leaves == negated.leaves
     body = rsym.box(4, 4, 4) - rsym.box().scale(1.5)
     assert len(surface_form(body).leaves) == 6
+
+
+DISC = 1 - x**2 - y**2
+BUMP = sp.Max(0, sp.Rational(1, 100) - (x - 37) ** 2)
+
+
+@pytest.mark.parametrize(
+    ("expression", "jumps"),
+    [
+        (sp.Piecewise((1 - y + BUMP, y > 1), (1 - y, True)), True),  # no sample of the condition lies in the bump
+        (sp.Piecewise((DISC + sp.Max(0, 1 - 1000 * (x - 3) ** 2), y > 0), (DISC, True)), True),
+        (
+            sp.Piecewise(
+                (DISC, (x - 500) * ((x - 33) ** 2 + y**2 - sp.Rational(1, 10**4)) > 0), (DISC + x - 500, True)
+            ),
+            True,
+        ),
+        (sp.Piecewise((DISC + y**2, y > 0), (DISC, True)), False),
+        (sp.Piecewise((2 * sp.Abs(x) - y, x > 0), (-2 * x - y, True)), False),
+        (sp.Piecewise((0.1 * 3 * x - y + 0.3, x > -1), (0.3 * x + 0.1 * 3 - y + 0.7 * (x + 1) ** 2, True)), False),
+        (sp.Piecewise((DISC + (sp.sqrt(x**2 + y**2) - 1) ** 2, sp.sqrt(x**2 + y**2) > 1), (DISC, True)), False),
+        (sp.Piecewise((DISC + 1 / (1 + x) - sp.Rational(1, 2), x > 1), (DISC, True)), False),
+    ],
+)
+def test_jumps_are_found_by_algebra(expression, jumps):
+    assert (len(surface_form(rsym.Shape(expression, (x, y))).leaves) > 1) == jumps

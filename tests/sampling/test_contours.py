@@ -118,6 +118,7 @@ def test_a_body_without_section_is_refused():
     assert caught.value.code == "section"
 
 
+@pytest.mark.filterwarnings("ignore:Unresolved")  # 0.5 is the maximum, a point
 def test_several_levels_are_sampled_once_and_answered_in_their_order():
     one_by_one = [rsym.level_lines(DISC, level, resolution=48) for level in (0.5, -0.25, 0.0)]
     together = rsym.level_lines(DISC, [0.5, -0.25, 0.0], resolution=48)

@@ -148,11 +148,37 @@ def test_the_measure_of_a_body_with_a_pole():
     assert_close(sum(length for name, length in found.parts.items() if "cap" not in name), 2 * np.pi, rtol=1e-12)
 
 
-@pytest.mark.parametrize("expression", [sp.floor(x) - y, sp.Mod(x, 1) - sp.Rational(1, 2)])
-def test_jumps_that_cannot_be_traced_are_refused(expression):
+JUMPS = {
+    "measure": lambda: rsym.measure(Shape(sp.floor(x) - y, (x, y)), bounds=((-2, 2), (-2, 2))),
+    "points": lambda: rsym.sample(Shape(sp.floor(x) - y, (x, y)), 9, over="boundary", bounds=((-2, 2), (-2, 2))),
+    "mod": lambda: rsym.measure(Shape(sp.Mod(x, 1) - sp.Rational(1, 2), (x, y)), bounds=((-2, 2), (-2, 2))),
+    "mesh": lambda: rsym.mesh(Shape(sp.floor(x) - z, (x, y, z)), 16, bounds=CUBE),
+    "rays": lambda: rsym.render(Shape(sp.floor(x) - z, (x, y, z), bounds=CUBE), size=(16, 12)),
+}
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_jumps_that_cannot_be_traced_are_refused(name):
     with pytest.raises(rsym.RsymError, match="cannot be traced") as refusal:
-        rsym.measure(Shape(expression, (x, y)), bounds=((-2, 2), (-2, 2)))
+        JUMPS[name]()
     assert refusal.value.code == "jump"
+
+
+def test_lines_of_jumps_that_cannot_be_traced_are_right_at_their_vertices_and_told():
+    jump = Shape(sp.floor(1 - x**2 - y**2) + sp.Rational(1, 2), (x, y), bounds=((-1.3, 1.2), (-1.3, 1.2)))
+    with pytest.warns(rsym.RsymWarning, match="jumps with a floor or a Mod"):
+        (line,) = rsym.level_lines(jump, resolution=48)
+    assert np.abs(np.hypot(*line.T) - 1).max() < 1e-12
+
+
+def test_where_both_sides_of_a_step_are_one_leaf_there_is_one():
+    """Beside the step two equal leaves took turns, and corners were sought between them: 22.4 for 2 pi."""
+    disc = 1 - x**2 - y**2
+    for one, other in ((2 * disc, disc), (disc, disc * (1 + y**2))):
+        shape = Shape(sp.Piecewise((one, x > 0), (other, True)), (x, y), bounds=((-2, 2), (-2, 2)))
+        lines = rsym.level_lines(shape, resolution=64)
+        assert_close(lines.length, 2 * np.pi, rtol=1e-3)
+        assert lines.status.unresolved_corners == 0
 
 
 @pytest.mark.parametrize(
@@ -196,3 +222,9 @@ def test_lint_tells_which_part_has_no_value_where():
     assert "log(x - 2)" in str(found.places[0])
     assert found.point[0] < 2
     assert_close(found.range[0], 0.8, atol=0.05)
+
+
+def test_no_points_are_drawn_where_a_body_ends_with_its_domain():
+    shape = Shape(rsym.conjunction(sp.sqrt(x) - z, 4 - x**2 - y**2 - z**2), (x, y, z))
+    drawn = rsym.sample(shape, 300, over="boundary", rng=1, resolution=16, bounds=((-2.1, 2.1),) * 3)
+    assert (drawn.points[:, 0] > 1e-9).all()

@@ -531,3 +531,71 @@ def test_pieces_that_meet_obliquely_to_an_edge_are_not_told_by_it(sector):
     first = ParametricSurface((u, v, u * v + u**2))
     second = ParametricSurface((1 + u, v, (1 + u) * v + (1 + u) ** 2 + u * sector))
     assert continuity_report([first, second], prove=True).verdict != "CERTIFIED"
+
+
+HALF = sp.Rational(1, 2)
+INSIDE = {
+    "torn": sp.Piecewise((0, u < HALF), (1, True)),
+    "kinked": sp.Piecewise((0, u < HALF), (u - HALF, True)),
+    "abs": abs(u - HALF) - HALF + u,
+    "bent": sp.Max(0, u - HALF) ** 2,
+    "oblique": sp.Max(0, u + v - 1),
+    "torn on a line": sp.Piecewise((0, (u - HALF) ** 2 > 0), (1, True)),
+    "root": u**3 * sp.sqrt((u - sp.Rational(1, 3)) ** 2 * (1 + v**2)),
+    "pole": u**3 / (u - sp.Rational(1, 3)),
+}
+
+
+@pytest.mark.parametrize("height", INSIDE.values(), ids=list(INSIDE))
+def test_what_is_torn_or_kinked_between_its_edges_is_not_certified(height):
+    report = continuity_report([ParametricSurface((u, v, 0)), ParametricSurface((1 + u, v, height))], prove=True)
+    assert report.verdict != "CERTIFIED"
+    assert report.doubts[1]
+    assert not report.doubts[0]
+    assert "inside patch 1 nothing is proved" in str(report).lower()
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        abs(1 + u) * u**3,
+        sp.Max(u - 1, 0) + u**3,
+        sp.Piecewise((u**3, u < 1), (9, True)),
+        u**3 * sp.exp(v),
+        u**3 / (1 + u),
+    ],
+)
+def test_what_is_smooth_between_its_edges_is_certified(height):
+    report = continuity_report([ParametricSurface((u, v, 0)), ParametricSurface((1 + u, v, height))], prove=True)
+    assert (report.verdict, report.doubts) == ("CERTIFIED", ("", ""))
+    assert "Inside, all patches are twice differentiable; their normals are not examined." in str(report)
+
+
+def test_the_pieces_of_what_is_cut_are_certified_if_they_fit():
+    height = sp.Piecewise((0, u < HALF), ((u - HALF) ** 3, True))
+    patch = ParametricSurface((u, v, height))
+    assert continuity_report([patch, ParametricSurface((u - 1, v, 0))], prove=True).verdict == "UNDECIDED"
+    cut = continuity_report([*split_patch(patch, u=[0.5]), ParametricSurface((u - 1, v, 0))], prove=True)
+    assert cut.verdict == "CERTIFIED"
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_a_spline_inside_is_as_smooth_as_its_knots(degree):
+    net = np.stack([*np.meshgrid(np.arange(6.0), np.arange(6.0), indexing="ij"), np.zeros((6, 6))], -1)
+    shifted = net + np.array([5, 0, 0])
+    report = continuity_report([BSplineSurface(one, degree=(degree, 3)) for one in (net, shifted)], prove=True)
+    assert (report.verdict, bool(report.doubts[0])) == (("UNDECIDED", True) if degree == 2 else ("CERTIFIED", False))
+
+
+@pytest.mark.parametrize(
+    ("height", "least"), [(sp.Rational(1, 10**6) * u**2, "G1"), (sp.Rational(1, 10**8) * u, "G0")], ids=["bend", "kink"]
+)
+def test_the_class_is_no_more_than_a_proof_leaves(height, least):
+    patches = [ParametricSurface((u, v, 0)), ParametricSurface((1 + u, v, height))]
+    assert continuity_report(patches).continuity == "G2"
+    report = continuity_report(patches, prove=True)
+    assert (report.verdict, report.continuity, report.proved) == ("REFUTED", least, least)
+    assert (report.edges[0].continuity, len(report.defects)) == (least, 1)
+    assert least in report.edges[0].classes
+    assert f"1 common edge: {least} (1 {least})" in str(report)
+    assert report.document().continuity == least

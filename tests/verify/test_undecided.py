@@ -104,3 +104,26 @@ def test_of_a_range_that_ends_where_an_operation_has_no_value_the_end_is_named()
     shape = rsym.Shape(square, (x, y), letters={letter: 2}, bounds=((-2, 2), (-2, 2)))
     with pytest.raises(rsym.RsymError, match="out of its range, with a = 1"):
         rsym.verify_smoothness(shape, letters={letter: (1, 2)})
+
+
+TINY = sp.Rational(1, 10**7)
+BESIDE = (sp.Rational(3, 2), 0)
+
+
+@pytest.mark.parametrize(
+    ("part", "verdict"),
+    [
+        (rsym.disc(TINY, BESIDE), "CERTIFIED"),
+        (rsym.disc(TINY, (sp.sqrt(2), sp.Rational(1, 3))), "CERTIFIED"),
+        (rsym.rectangle(TINY, TINY, BESIDE), "REFUTED"),
+        (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + TINY, 0)), "REFUTED"),
+        (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + 2 * TINY, 0)), "UNDECIDED"),
+        (rsym.Shape(-((x - sp.Rational(3, 2)) ** 2) - y**2, (x, y)), "DEGENERATE"),
+    ],
+    ids=["disc", "irrational", "square", "overlap", "touching", "point"],
+)
+def test_a_part_smaller_than_the_boxes_is_divided_until_it_is_seen(part, verdict):
+    report = rsym.verify_smoothness(rsym.disc(1) | part, bounds=((-2, 2), (-2, 2)))
+    assert report.verdict == verdict
+    if verdict == "CERTIFIED":
+        assert not len(report.undecided)

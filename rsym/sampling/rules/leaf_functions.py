@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.errors import RsymError
 from rsym.logic.branches import opened_leaf
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.lifting import TURNED, origins
@@ -18,7 +17,6 @@ from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, throug
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
-from rsym.program.program import live
 from rsym.sampling.compiled import loop
 from rsym.sampling.kernels.mesher_kernels import (
     MesherKernels,
@@ -119,7 +117,7 @@ class RuleForm:
 def rule_form(shape: Shape, capped: bool) -> RuleForm:
     """The form of a shape, with its bounds as leaves behind the others."""
     plain = surface_form(shape, *across(shape))
-    _refuse_jumps(plain)
+    plain.require_traced()
     walls = tuple(plain.walls)
     form, owner = _smooth(plain)
     if capped:
@@ -127,21 +125,6 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
         sides = len(plain.leaves) + np.minimum(np.arange(6), 2 * shape.dimension - 1)
         return RuleForm(form.capped(), leaf_names(plain.capped(), shape), np.concatenate([owner, sides]), walls)
     return RuleForm(form, leaf_names(plain, shape), owner, walls)
-
-
-def _refuse_jumps(form: SignForm) -> None:
-    """Refuse a leaf with jumps that no condition of its own tells."""
-    builder = form.builder
-    for leaf in form.leaves:
-        if any(
-            builder.nodes[part].operation == "floor" and not builder.uniform[part]
-            for part in live(builder.nodes, [leaf])
-        ):
-            raise RsymError(
-                "the boundary jumps with a floor or a Mod, and where it does cannot be traced",
-                code="jump",
-                remedy="write the pieces that lie in the bounds as a union, or as a Piecewise of conditions",
-            )
 
 
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:

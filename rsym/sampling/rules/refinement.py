@@ -142,7 +142,7 @@ def refined(
 
     def summed() -> tuple[Sums, int]:
         grid = shape.grid(count, aside=dimension == 3)
-        total, made = Sums(*[np.zeros(1)] * 4), 0
+        total, made = quantities(nothing), 0
         number = points * (highest * count / spacing) ** dimension / AT_ONCE
         for portion in shape.portions(grid, highest, towards, threads, number, until):
             total += quantities(portion)

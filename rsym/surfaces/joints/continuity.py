@@ -36,6 +36,7 @@ from rsym.surfaces.joints.meeting import extent, room_for, sample_grid
 from rsym.surfaces.parameters import LetterValues
 from rsym.surfaces.patch import Patch, own_letters
 from rsym.surfaces.proofs.edge_formulas import PatchFormula
+from rsym.surfaces.proofs.insides import doubt_inside
 from rsym.surfaces.proofs.pole_proofs import Spoke, prove_pole
 from rsym.surfaces.proofs.proving import prove
 from rsym.surfaces.proofs.stretches import ProofTask
@@ -85,12 +86,15 @@ def continuity_report(
         (`Patch.expression`) or B-splines. Of the gap, the angle and the jump of curvature each is then identically
         zero, by exact arithmetic; or within a hundred-thousandth of its tolerance all along the edge, by enclosures in
         balls; or more than that at one place; or not decided. Numbers in data are the decimals that they are written as
-        in `Patch.expression`. It takes about three times as long; `split_patch` has the inside of a spline proved.
+        in `Patch.expression`. It takes about three times as long. Between its edges a patch must be twice
+        differentiable by its formula or its knots: where pieces meet inside, nothing is certified, and `split_patch`
+        cuts it there.
 
     Returns
     -------
     EdgeReport
-        `.edges`, `.poles`, `.free`, `.continuity` (the lowest, by samples), `.verdict` (by proof) and `str()`.
+        `.edges`, `.poles`, `.free`, `.continuity` (the lowest, by samples, and no more than what is refuted leaves),
+        `.verdict` (by proof) and `str()`.
 
     Raises
     ------
@@ -129,13 +133,16 @@ normals to different sides
     edges = [_common_edge(one, angle, curvature) for one in stretches]
     groups = clusters(points)
     poles = [_pole(group, angle, curvature) for group in groups]
+    doubts: tuple[str, ...] = ()
     if prove:
         formulas = formulas_of(patches, values)
         edges = [with_proof(one, stretch, formulas) for one, stretch in zip(edges, stretches, strict=True)]
         poles = [pole_with_proof(one, group, formulas) for one, group in zip(poles, groups, strict=True)]
+        doubts = tuple(doubt_inside(patch, formula) for patch, formula in zip(patches, formulas, strict=True))
     edges.sort(key=badness)
     poles.sort(key=badness)
-    return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), extent(*grids) if grids else 0.0)
+    size = extent(*grids) if grids else 0.0
+    return EdgeReport(tuple(edges), tuple(poles), tuple(free), len(patches), size, doubts)
 
 
 def _check(patches: Sequence[object], tolerances: dict[str, float]) -> None:

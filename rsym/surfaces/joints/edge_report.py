@@ -19,6 +19,7 @@ from rsym.surfaces.proofs.edge_proof import EdgeProof
 
 # From the weakest to the strongest; the words are those of `verify_smoothness`.
 CONTINUITIES: tuple[str, ...] = ("broken", "G0", "G1", "G2")
+SMOOTH_INSIDE = "Inside, all patches are twice differentiable; their normals are not examined."
 NUMERICAL = "Numerical: decided by samples, not proved"
 COLUMNS = ("patches", "class", "gap", "angle", "curvature jump", "worst at", "parameters")
 # Lines and names beyond these are counted, not shown: the report has them all.
@@ -102,8 +103,8 @@ class PatchMeeting:
     """A place where patches meet; `patches` are their places in the list given, `edges` the names of their edges.
 
     gap (length), angle (degrees, between the normals) and curvature_jump (one over length) are the greatest found.
-    continuity: "broken" (apart), "G0", "G1" or "G2" within the tolerances. undefined: samples without a normal.
-    proof: what is proved of it, if a proof was asked for.
+    continuity: "broken" (apart), "G0", "G1" or "G2" within the tolerances, or what is refuted leaves. undefined:
+    samples without a normal. proof: what is proved of it, if a proof was asked for.
     """
 
     patches: tuple[int, ...]
@@ -144,8 +145,10 @@ class PatchMeeting:
 
     @property
     def continuity(self) -> str:
-        """The class within the tolerances."""
-        return self.tolerances.continuity(self.gap, self.angle, self.curvature_jump)
+        """The class within the tolerances, or what a proof leaves of it, if that is less."""
+        found = self.tolerances.continuity(self.gap, self.angle, self.curvature_jump)
+        most = None if self.proof is None else self.proof.at_most
+        return found if most is None else min(found, most, key=CONTINUITIES.index)
 
     @property
     def worst(self) -> Extreme:
@@ -220,11 +223,16 @@ class CommonEdge(PatchMeeting):
 
     @property
     def classes(self) -> tuple[str, ...]:
-        """The class at each of the points; where the curvatures are unknown no more than G1."""
+        """The class at each point: G1 at most where curvatures are unknown; what is refuted counts at one."""
         room = self.tolerances
         pairs = ((self.gaps, room.gap), (self.angles, room.angle), (self.curvature_jumps, room.curvature))
         held = np.cumprod([values <= tolerated for values, tolerated in pairs], axis=0).sum(axis=0)
-        return tuple(CONTINUITIES[count] for count in held)
+        classes = [CONTINUITIES[count] for count in held]
+        if self.proof is not None and (most := self.proof.at_most) is not None and not math.isnan(self.proof.place):
+            along = self.parameters[:, 0, 1 if self.edges[0][0] == "u" else 0]
+            nearest = int(np.argmin(np.abs(along - self.proof.place)))
+            classes[nearest] = min(classes[nearest], most, key=CONTINUITIES.index)
+        return tuple(classes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,7 +261,8 @@ class FreeEdge:
 class EdgeReport(Report):
     """Where patches meet and how smoothly: common edges and poles, the worst first, then what is free.
 
-    `continuity` is numerical, decided by samples with the errors told; `verdict` is proved, if proofs were asked for.
+    `continuity` is numerical, decided by samples with the errors told, unless a proof leaves less; `verdict` is proved,
+    if proofs were asked for. `doubts`: of each patch why it is not proved smooth between its edges, empty where it is.
 
     Examples
     --------
@@ -271,6 +280,7 @@ class EdgeReport(Report):
     free: tuple[FreeEdge, ...]
     patches: int
     size: float
+    doubts: tuple[str, ...] = ()
 
     @property
     def meetings(self) -> tuple[PatchMeeting, ...]:
@@ -284,15 +294,13 @@ class EdgeReport(Report):
 
     @property
     def verdict(self) -> str | None:
-        """CERTIFIED, every edge and pole is proved G2; REFUTED, one is proved not to be; DEGENERATE; or UNDECIDED.
+        """CERTIFIED: all is proved G2, and inside no pieces meet; REFUTED: a place is not; DEGENERATE; or UNDECIDED.
 
         None if nothing meets, or no proof was asked for.
         """
-        found = {one.verdict for one in self.meetings}
+        found = {one.verdict for one in self.meetings} | ({UNDECIDED} if any(self.doubts) else set())
         asked = any(one.proof is not None for one in self.meetings)
-        return (
-            next((one for one in (REFUTED, DEGENERATE, UNDECIDED, CERTIFIED) if one in found), None) if asked else None
-        )
+        return next((one for one in (REFUTED, DEGENERATE, UNDECIDED, CERTIFIED) if asked and one in found), None)
 
     @property
     def proved(self) -> str | None:
@@ -327,6 +335,7 @@ class EdgeReport(Report):
                 "patches": self.patches,
                 "size": self.size,
                 "proved": self.proved,
+                "doubts": self.doubts,
                 "edges": [one.data for one in self.edges],
                 "poles": [one.data for one in self.poles],
                 "free": free,
@@ -353,6 +362,8 @@ class EdgeReport(Report):
         yield Sentence(f"Free: {first_of(free, NAMES)}." if free else "No edge is free.", False)
         yield Sentence(f"{NUMERICAL}; size {number(self.size, 4)}.", False)
         if self.verdict:
+            told = [f"Inside patch {k} nothing is proved: {doubt}" for k, doubt in enumerate(self.doubts) if doubt]
+            yield Sentence(f"{first_of(told, NAMES)}; split_patch cuts it." if told else SMOOTH_INSIDE, False)
             yield Sentence(self._proofs(), self.verdict in {CERTIFIED, REFUTED})
 
     def _proofs(self) -> str:

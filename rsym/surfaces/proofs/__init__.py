@@ -1,4 +1,4 @@
-"""Proofs about patches: what holds all along the edges in which they meet.
+"""Proofs about patches: what holds all along the edges in which they meet, and between them.
 
 In come stretches of common edges with the formulas of both patches; out goes an `EdgeProof`: of the gap, the angle and
 the jump of curvature each is equal to zero, within a bound, different at a place, or numerical.
@@ -13,5 +13,6 @@ enclosures.py     both patches in balls on intervals that cover the edge
 apart.py          points of one edge that are away from the other
 proving.py        the proof of an edge
 pole_proofs.py    the proof of a pole
+insides.py        whether a patch is twice differentiable between its edges
 edge_proof.py     what is proved
 """

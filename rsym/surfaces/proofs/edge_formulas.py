@@ -101,7 +101,7 @@ class PatchFormula:
         """The third derivative across the edge, by the patch's own parameter."""
         if isinstance(self.patch, BSplineSurface):
             raise NoProof("the third derivatives of splines are not asked for")
-        builder, known = self._formulas()
+        builder, known = self.program
         order, before, name = ((3, 0), (2, 0), "u") if edge.across == 0 else ((0, 3), (0, 2), "v")
         if order not in known:
             known[order] = [derivative(builder, one, name) for one in known[before]]
@@ -110,7 +110,7 @@ class PatchFormula:
 
     def _copy(self, edge: PatchEdge, target: Builder, part: Part, walk: EdgeWalk, *, literal: bool) -> Specialised:
         """What copies nodes of the whole patch to the edge."""
-        builder, _ = self._formulas()
+        builder, _ = self.program
         names = ("u", "v") if edge.across == 0 else ("v", "u")
         letters = {name: target.const(value) for name, value in self.letters.items()}
         inputs = {**letters, names[0]: lower_all(target, [constant_parameter(edge)])[0], names[1]: _place(target, walk)}
@@ -133,13 +133,14 @@ class PatchFormula:
             vectors, knots = spline_jet(self.patch, edge, (ends[0], ends[1]))
             found = {order: [_horner(target, one, place) for one in vectors[order]] for order in orders}
             return found, EdgeJet((), frozenset(map(walk.inverse, knots)))
-        _, known = self._formulas()
+        _, known = self.program
         copy = self._copy(edge, target, part, walk, literal=literal)
         turned = {order: known[order[::-1] if edge.across == 0 else order] for order in orders}
         found = {order: [copy.node(one) for one in vector] for order, vector in turned.items()}
         return found, EdgeJet((), frozenset(copy.borders), frozenset(copy.joins), copy.lies_on_border)
 
-    def _formulas(self) -> tuple[Builder, dict[tuple[int, int], list[int]]]:
+    @property
+    def program(self) -> tuple[Builder, dict[tuple[int, int], list[int]]]:
         """The program of the whole patch and the nodes of its derivatives."""
         if self._program is None:
             builder = Builder(("u", "v"), tuple(self.letters))

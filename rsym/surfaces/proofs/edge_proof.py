@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from rsym.reports.document import DEGENERATE
 from rsym.reports.numbers import at_least, at_most, number
 from rsym.reports.words import box_text
 
@@ -81,6 +82,22 @@ class EdgeProof:
         """The highest class that is proved all along the edge, up to `open`."""
         held = [one.holds for one in self.levels]
         return ([None, *LEVELS])[[*held, False].index(False)]
+
+    @property
+    def at_most(self) -> str | None:
+        """The highest class that what is refuted leaves, "broken" without any; None where nothing is refuted.
+
+        An edge of regression has unbounded curvature, though a tangent plane all along.
+        """
+        if self.verdict == DEGENERATE:
+            return LEVELS[1]
+        wrong = [place for place, one in enumerate(self.levels) if one.status == DIFFERENT]
+        return ("broken", *LEVELS)[wrong[0]] if wrong else None
+
+    @property
+    def place(self) -> float:
+        """The parameter of the first edge where the lowest level is refuted; NaN where none is."""
+        return next((one.place for one in self.levels if one.status == DIFFERENT), math.nan)
 
     @property
     def exact(self) -> bool:

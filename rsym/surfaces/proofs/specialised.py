@@ -147,7 +147,7 @@ class Specialised:
         On the border itself a comparison a > b is false, which counts in a literal copy.
         """
         known = self._done[a] if b is None else self.target.sub(self._done[a], self._done[b])
-        line = self._line(self.target, known)
+        line = self._line_of(self.target, known)
         if line is None:
             raise NoProof("where the pieces of a formula meet is not linear in the parameter of the edge")
         low, high = self.part
@@ -179,10 +179,15 @@ class Specialised:
             nodes[part].operation == "input" and nodes[part].data == self.inwards[0] for part in parts
         )
 
+    def _line_of(self, builder: Builder, number: int) -> Line | None:
+        return line_of(builder, number, self._lines.setdefault(id(builder), {}))
+
     def _beside(self, a: int, b: int | None) -> Fraction:
         """How a - b, zero on the line, grows from there inwards."""
         lines = (
-            [{}, self._line(self.source, a)] if b is None else [self._line(self.source, b), self._line(self.source, a)]
+            [{}, self._line_of(self.source, a)]
+            if b is None
+            else [self._line_of(self.source, b), self._line_of(self.source, a)]
         )
         if self.inwards is None or None in lines:
             return ZERO
@@ -190,32 +195,41 @@ class Specialised:
         below, above = (line.get(name, ZERO) for line in lines if line is not None)
         return way * (above - below)
 
-    def _line(self, builder: Builder, number: int) -> Line | None:
-        """The coefficients of the inputs, "" for the constant, if a node is linear in them."""
-        known = self._lines.setdefault(id(builder), {})
-        if number not in known:
-            known[number] = self._new_line(builder, number)
-        return known[number]
 
-    def _new_line(self, builder: Builder, number: int) -> Line | None:
-        operation, arguments, data = builder.nodes[number]
-        if operation == "const":
-            return {"": data} if isinstance(data, Fraction) else None
-        if operation == "input":
-            return {str(data): Fraction(1)}
-        inner = [self._line(builder, one) for one in arguments] if operation in {"add", "neg", "mul"} else [None]
-        lines = [one for one in inner if one is not None]
-        if len(lines) < len(inner):
-            return None
-        if operation == "neg":
-            return {name: -value for name, value in lines[0].items()}
-        if operation == "add":
-            return {name: lines[0].get(name, ZERO) + lines[1].get(name, ZERO) for name in {**lines[0], **lines[1]}}
-        constants = [line for line in lines if not any(value for name, value in line.items() if name)]
-        if not constants:
-            return None
-        factor, line = constants[0].get("", ZERO), lines[1] if constants[0] is lines[0] else lines[0]
-        return {name: factor * value for name, value in line.items()}
+def line_of(builder: Builder, number: int, known: dict[int, Line | None]) -> Line | None:
+    """The coefficients of the inputs, "" for the constant, if a node is linear in them; `known` are those found.
+
+    Examples
+    --------
+    >>> builder = Builder(("u", "v"), ())
+    >>> number = builder.sub(builder.input("u"), builder.const(Fraction(1, 2)))
+    >>> {name: str(value) for name, value in line_of(builder, number, {}).items()}
+    {'u': '1', '': '-1/2'}
+    """
+    if number not in known:
+        known[number] = _new_line(builder, number, known)
+    return known[number]
+
+
+def _new_line(builder: Builder, number: int, known: dict[int, Line | None]) -> Line | None:
+    operation, arguments, data = builder.nodes[number]
+    if operation == "const":
+        return {"": data} if isinstance(data, Fraction) else None
+    if operation == "input":
+        return {str(data): Fraction(1)}
+    inner = [line_of(builder, one, known) for one in arguments] if operation in {"add", "neg", "mul"} else [None]
+    lines = [one for one in inner if one is not None]
+    if len(lines) < len(inner):
+        return None
+    if operation == "neg":
+        return {name: -value for name, value in lines[0].items()}
+    if operation == "add":
+        return {name: lines[0].get(name, ZERO) + lines[1].get(name, ZERO) for name in {**lines[0], **lines[1]}}
+    constants = [line for line in lines if not any(value for name, value in line.items() if name)]
+    if not constants:
+        return None
+    factor, line = constants[0].get("", ZERO), lines[1] if constants[0] is lines[0] else lines[0]
+    return {name: factor * value for name, value in line.items()}
 
 
 # Operations that are not analytic where the operand at this place vanishes; nought times what they give is no nought.

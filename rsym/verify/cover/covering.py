@@ -22,6 +22,8 @@ from rsym.verify.cover.arcs import ArcInspector
 from rsym.verify.cover.inspection import OPEN, Inspection
 
 COARSEST = 1 / 24  # of the extent: larger regular boxes are divided, so that the cover follows the boundary
+FINER = 600  # boxes into which a few that were left over are divided further: a disc takes 130
+FINEST, RESOLVED = 2.0**-18, 2.0**-44  # of those boxes, and of their coordinates: what is narrower is not divided
 REPORTED = 64  # boxes between two reports of progress
 # The first cut is off centre, so that no side of a box lies on the planes of symmetry of a model.
 OFF_CENTRE = 0.4375 + 1 / 64
@@ -43,6 +45,24 @@ class Covering:
     made: int = 0
     empty: int = 0
     divided: int = 0
+
+    def finer(self, covers: Mapping[Box, Covering]) -> Covering:
+        """The same with some of the boxes that were left over divided further, and settled.
+
+        Examples
+        --------
+        >>> box = ((0.0, 1.0), (0.0, 1.0))
+        >>> found = Covering(left=[(box, OPEN)], made=1).finer({box: Covering(examined=4, made=4, empty=4)})
+        >>> found.left, found.made, found.balance.made == found.balance.closed
+        ([], 5, True)
+        """
+        parts = [self, *covers.values()]
+        return Covering(
+            settled=[pair for part in parts for pair in part.settled],
+            left=[(box, finding) for box, finding in self.left if box not in covers],
+            divided=sum(part.divided for part in parts) + len(covers),
+            **{name: sum(getattr(part, name) for part in parts) for name in ("examined", "made", "empty")},
+        )
 
     @property
     def balance(self) -> Balance:
@@ -86,6 +106,20 @@ def cover(
     undecided = _undecided([], result)
     effort.reach(1 - undecided, undecided=undecided)
     return result
+
+
+def settled_finely(model: Model, boxes: Sequence[Box], effort: Effort) -> dict[Box, Covering]:
+    """What smaller boxes say of a few that were too small to be divided; nothing if they do not settle them all."""
+    budget, covers = FINER, {}
+    width, far = max(map(extent_of, boxes)), max(abs(end) for box in boxes for ends in box[:2] for end in ends)
+    for box in boxes:
+        covers[box] = found = cover(
+            model, box, smallest=max(FINEST * width, RESOLVED * far), budget=budget, effort=effort
+        )
+        budget -= found.examined
+        if found.left:
+            return {}
+    return covers
 
 
 def _undecided(level: Sequence[Box], found: Covering) -> float:

@@ -6,7 +6,7 @@ in it; what none of them decides is described by one-sided limits and called so.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from itertools import islice
@@ -40,25 +40,38 @@ DIGITS = 40  # of the limits; the field is evaluated to twice as many
 
 
 def classify_joints(
-    model: Model, left: Sequence[tuple[Box, Locus]], extent: float, effort: Effort | None = None
+    model: Model,
+    left: Sequence[tuple[Box, Locus]],
+    extent: float,
+    effort: Effort | None = None,
+    settles: Callable[[Cluster], bool] = lambda cluster: False,
 ) -> list[Joint]:
     """One joint for each cluster of boxes that are left over; none if there are too many to be points.
 
+    Of a cluster of which no point is proved `settles` is asked: it may hold none, but a part smaller than its boxes.
     When time is over the others are not looked at: of these nothing is said.
     """
     if len(left) > CROWD:
         return []
     loci = {box[:2]: locus for box, locus in left}
-    found = enumerate(clusters(list(loci), 2, effort or Effort()))
-    return [_classified(model, cluster, loci, extent, probe=number < MOST_PROBED) for number, cluster in found]
+    joints = []
+    for number, cluster in enumerate(clusters(list(loci), 2, effort or Effort())):
+        probe = number < MOST_PROBED
+        proved, near = _proved(model, cluster, loci)
+        if proved is not None:
+            joints.append(proved)
+        elif len(model.axes) > 2 or not (probe and settles(cluster)):
+            joints.append(_unproved(model, cluster, near, extent, probe=probe))
+    return joints
 
 
-def _classified(model: Model, cluster: Cluster, loci: Mapping[Box, Locus], extent: float, *, probe: bool) -> Joint:
-    """What a cluster is: by the first place that proves something, else by one-sided limits."""
-    unresolved = Joint(cluster.centre, cluster.radius, "unresolved", "unknown", reason="nothing is proved here")
-    if len(model.axes) > 2:
-        return unresolved
+def _proved(
+    model: Model, cluster: Cluster, loci: Mapping[Box, Locus]
+) -> tuple[Joint, ZeroPlace] | tuple[None, ZeroPlace | None]:
+    """What a cluster is by the first place that proves something, and that place, or the first one."""
     near = None
+    if len(model.axes) > 2:
+        return None, None
     for place in islice(_places(model, cluster, loci), MOST_PLACES):
         locus = next((loci[box] for box in cluster.boxes if _holds(box, place)), None)
         if locus is None:
@@ -66,7 +79,13 @@ def _classified(model: Model, cluster: Cluster, loci: Mapping[Box, Locus], exten
         near = place if near is None else near
         proved = _polygon(model, locus, place) or _directed(model, place) or _at_rational(model, locus, place)
         if proved is not None:
-            return proved
+            return proved, place
+    return None, near
+
+
+def _unproved(model: Model, cluster: Cluster, near: ZeroPlace | None, extent: float, *, probe: bool) -> Joint:
+    """What a cluster may be, by one-sided limits."""
+    unresolved = Joint(cluster.centre, cluster.radius, "unresolved", "unknown", reason="nothing is proved here")
     if near is None:
         return unresolved
     if not probe:

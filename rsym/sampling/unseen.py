@@ -1,0 +1,305 @@
+"""What the samples of a plane lattice do not show: ovals, slots, gaps and rings thinner than a cell.
+
+Intervals exclude most cells: the form has one sign all over them. The others are looked at on a finer lattice.
+A cell is seen if either side has one piece in it, no hole, and a sample of the lattice in its own corners or, where a
+line bulges through a side, so have it and the neighbour that the line comes from together. Where cells are not seen,
+they and those around them are cut in smaller ones, and these again, up to a limit; lines run through all sizes of them.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.isolines import index_lines, lines_through
+from rsym.sampling.lattice import Lattice
+from rsym.sampling.plane_leaves import REACH, PlaneLeaves
+
+PARTS = 8  # of the side of a cell that is looked at
+DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
+MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
+UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides are whole
+_TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
+_BEYOND = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
+_MIDDLES = _BEYOND + 1  # of a side, in halves of a cell
+_AROUND = np.indices((3, 3)).reshape(2, -1).T - 1
+_CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+
+
+class SeenLines(NamedTuple):
+    """Lines by the middles (n, 2) of the sides that they cross, in indices; how many cells are unseen, and where.
+
+    Not `examined` are forms without bounds, and those that have none in too many cells.
+    """
+
+    lines: list[Floats]
+    unseen: int = 0
+    place: tuple[float, float] | None = None
+    finer: float = 0.0
+    examined: bool = True
+
+
+class _Cells(NamedTuple):
+    """_Cells (k, 2) by their first corners, in sizes of theirs; which corners (k, 4) are inside; their sides.
+
+    These are given by their middles (k, 4, 2) in units; a side to a larger neighbour is that of the neighbour.
+    """
+
+    first: Ints
+    high: Flags
+    sides: Ints
+
+    @property
+    def crossed(self) -> Flags:
+        """Whether corners lie on both sides."""
+        return np.asarray(self.high.any(axis=1) & ~self.high.all(axis=1))
+
+    def take(self, which: Flags | Ints) -> _Cells:
+        """Some of them."""
+        return _Cells(self.first[which], self.high[which], self.sides[which])
+
+
+class _Found(NamedTuple):
+    """Whether cells are unseen, whether they and those around are to be cut, and the signs (k, m, m) within them."""
+
+    unseen: Flags
+    cut: Flags
+    high: Flags
+
+
+def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLines:
+    """The lines between signs of a form on a lattice, the inside to their left, and what lies between the samples."""
+    plain = [line[::-1] for line in index_lines(signs, 0.0)]
+    undefined = np.isnan(signs)
+    known = ~(undefined[:-1, :-1] | undefined[1:, :-1] | undefined[:-1, 1:] | undefined[1:, 1:])
+    open_cells = _undecided(leaves, lattice, known)
+    if open_cells is None:
+        return SeenLines(plain, examined=False)
+    cells, finer = _on_lattice(open_cells, signs > 0), lattice
+    looked, found = _look(leaves, finer, cells)
+    if not found.unseen.any():
+        return SeenLines(plain)
+    done = [_elsewhere(signs > 0, known, looked.first[found.cut])]
+    for depth in range(1, DEPTH + 1):
+        unseen, place = int(np.count_nonzero(found.unseen)), finer.points(looked.first[found.unseen][:1] + 0.5)[0]
+        size = max(finer.spacing)
+        cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
+        undecided = _holds(leaves, finer, cells.first, 1)
+        if np.count_nonzero(undecided) > MOST:
+            break
+        looked, found = _look(leaves, finer, cells.take(undecided))
+        unseen = int(np.count_nonzero(found.unseen))
+        if not unseen:
+            break
+        place, size = finer.points(looked.first[found.unseen][:1] + 0.5)[0], max(finer.spacing)
+        if depth < DEPTH:
+            done.append(cells.take(_number(looked.first[found.cut], cells.first) < 0))
+    done.append(cells)
+    every = _Cells(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
+    every = every.take(every.crossed)
+    lines = [line / UNIT for line in lines_through(every.sides, every.high)]
+    return SeenLines(lines, unseen, (float(place[0]), float(place[1])) if unseen else None, size if unseen else 0.0)
+
+
+def edges_of(index: Floats) -> tuple[Floats, Floats]:
+    """The ends (n, 2) in indices of the sides of cells, of whatever size, with these middles.
+
+    Examples
+    --------
+    >>> start, end = edges_of(np.array([[3.0, 1.5], [2.0625, 4.0]]))
+    >>> start.tolist(), end.tolist()
+    ([[3.0, 1.0], [2.0, 4.0]], [[3.0, 2.0], [2.125, 4.0]])
+    """
+    whole = np.rint(index * UNIT).astype(np.int64)
+    either = whole[:, 0] | whole[:, 1]
+    half = (either & -either)[:, None]
+    along = half * ((whole & half) != 0)
+    return (whole - along) / UNIT, (whole + along) / UNIT
+
+
+def _finer(lattice: Lattice) -> Lattice:
+    counts = tuple(PARTS * (count - 1) + 1 for count in lattice.counts)
+    return Lattice(lattice.origin, tuple(h / PARTS for h in lattice.spacing), counts)
+
+
+def _on_lattice(first: Ints, high: Flags) -> _Cells:
+    corners = (first[:, None] + _CORNERS).reshape(-1, 2)
+    sides = (UNIT // 2) * (2 * first[:, None] + _MIDDLES)
+    return _Cells(first, high[tuple(corners.T)].reshape(-1, 4), sides)
+
+
+def _elsewhere(high: Flags, known: Flags, apart: Ints) -> _Cells:
+    """The cells that lines of a lattice cross, without some."""
+    corners = np.stack([high[:-1, :-1], high[:-1, 1:], high[1:, :-1], high[1:, 1:]])
+    crossed = known & corners.any(axis=0) & ~corners.all(axis=0)
+    crossed[tuple(apart.T)] = False
+    return _on_lattice(np.argwhere(crossed), high)
+
+
+def _parts(cells: _Cells, found: _Found, half: int) -> _Cells:
+    """The parts of those cells that are to be cut; `half` is that of their side in units."""
+    own, high = cells.take(found.cut), found.high[found.cut]
+    inside = np.indices((PARTS, PARTS)).reshape(2, -1).T
+    first = PARTS * own.first[:, None] + inside
+    sides = half * (2 * first[:, :, None] + _MIDDLES)
+    beside = _beside(own.first)
+    for side, (axis, end) in enumerate(((0, 0), (0, PARTS - 1), (1, 0), (1, PARTS - 1))):
+        larger = np.flatnonzero(beside[:, side] < 0)
+        along = np.flatnonzero(inside[:, axis] == end)
+        sides[larger[:, None], along, side] = own.sides[larger, side][:, None]
+    corners = high[:, inside[:, None, 0] + _CORNERS[:, 0], inside[:, None, 1] + _CORNERS[:, 1]]
+    return _Cells(first.reshape(-1, 2), corners.reshape(-1, 4), sides.reshape(-1, 4, 2))
+
+
+def _undecided(leaves: PlaneLeaves, lattice: Lattice, known: Flags) -> Ints | None:
+    """The cells (k, 2), all corners known, that intervals do not exclude; halved from large blocks down."""
+    size = 4 * PARTS
+    blocks = np.indices([-(-count // size) for count in known.shape]).reshape(2, -1).T * size
+    while True:
+        blocks = blocks[_holds(leaves, lattice, blocks, size)]
+        if size == 1:
+            break
+        size //= 2
+        blocks = (blocks[:, None] + size * _CORNERS).reshape(-1, 2)
+        blocks = blocks[(blocks < known.shape).all(axis=1)]
+        if len(blocks) > 16 * MOST:
+            return None
+    blocks = blocks[known[tuple(blocks.T)]]
+    return blocks if len(blocks) <= MOST else None
+
+
+def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: float) -> Flags:
+    """Whether blocks of cells may hold a line."""
+    return np.asarray(leaves.signs_over(lattice.points(first), lattice.points(first + size)) == 0)
+
+
+def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells) -> tuple[_Cells, _Found]:
+    """What cells hold between their corners: those that were looked at, and what was found in them."""
+    wild = _wild(leaves, lattice, every)
+    near = _grown(_grown(wild, every.first), every.first)
+    cells, wild = every.take(near), wild[near]
+    inside = np.indices((PARTS + 1, PARTS + 1)).reshape(2, -1).T / PARTS
+    points = lattice.points((cells.first[:, None] + inside).reshape(-1, 2))
+    values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
+    known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
+    high = np.asarray(values >= 0)
+    unseen = (_hidden(high, cells) | _doubtful(leaves, lattice, cells, high, wild)) & known & wild
+    unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
+    cut = np.asarray(_grown(unseen, cells.first) & known)
+    ends = np.stack([high[:, 0], high[:, -1], high[:, :, 0], high[:, :, -1]], axis=1)
+    # Across a side to a larger cell a line goes once, where its corners differ.
+    changes = np.count_nonzero(np.diff(ends, axis=2), axis=2)
+    plain = np.asarray(changes == (cells.high[:, [0, 2, 0, 1]] != cells.high[:, [1, 3, 2, 3]]))
+    beside = _beside(cells.first)
+    while True:
+        more = beside[~(plain | ~cut[:, None])]
+        more = more[(more >= 0) & ~cut[more] & known[more]]
+        if not len(more):
+            return cells, _Found(unseen, cut, high)
+        cut[more] = True
+
+
+def _wild(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells) -> Flags:
+    """Which cells may hold more than one line that is a graph, and that their corners show, or a neighbour's."""
+    slopes = leaves.slopes_over(lattice.points(cells.first), lattice.points(cells.first + 1))
+    crossed = cells.crossed
+    tame = np.asarray(slopes.any(axis=1))
+    wild = np.asarray(~tame)
+    # Without a crossing there is nothing if it slopes along both; along one, what comes through a side goes back there.
+    own = np.flatnonzero(tame & ~crossed & ~slopes.all(axis=1))
+    towards = np.where(cells.high[own, 0], -1, 1)[:, None] * slopes[own]
+    side = np.where(towards[:, 0] != 0, (towards[:, 0] > 0) + _TOP, (towards[:, 1] > 0) + _LEFT)
+    other = _beside(cells.first)[own, side]
+    wild[own] = (other < 0) | ~(crossed & tame)[other]
+    return wild
+
+
+def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
+    """Which cells are near a corner where the two leaves that alone matter in them cross: no cell shows a sharp one."""
+    one, other = leaves.crossing_over(lattice.points(first), lattice.points(first + 1))
+    tips, own = np.zeros(len(first), np.bool_), np.flatnonzero(one >= 0)
+    middle = lattice.points(first[own] + 0.5)
+    corner = leaves.common(middle, one[own], other[own])
+    cell = min(lattice.spacing)
+    holds = leaves.meet(corner, one[own], other[own], cell) | np.isin([one[own], other[own]], leaves.walls).any(axis=0)
+    tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & holds
+    return tips
+
+
+def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags, wild: Flags) -> Flags:
+    """In which wild cells a part may hold a line, and neither it nor those around it do as the samples have it."""
+    crossed = np.zeros((len(high), PARTS + 2, PARTS + 2), np.bool_)
+    corners = np.stack([high[:, :-1, :-1], high[:, :-1, 1:], high[:, 1:, :-1], high[:, 1:, 1:]])
+    crossed[:, 1:-1, 1:-1] = corners.any(axis=0) & ~corners.all(axis=0)
+    near = np.repeat(~wild, PARTS**2).reshape(-1, PARTS, PARTS)
+    for down, right in _AROUND + 1:
+        near |= crossed[:, down : down + PARTS, right : right + PARTS]
+    parts = PARTS * cells.first[:, None, None] + np.moveaxis(np.indices((PARTS, PARTS)), 0, -1)
+    own, rest = np.nonzero(~near)[0], parts[~near]
+    some = _holds(leaves, lattice, rest / PARTS, 1 / PARTS)
+    own, rest = own[some], rest[some]
+    beside = _number(parts[crossed[:, 1:-1, 1:-1]], (rest[:, None] + _AROUND).reshape(-1, 2)).reshape(-1, 9)
+    doubtful = np.zeros(len(high), np.bool_)
+    doubtful[own[(beside < 0).all(axis=1)]] = True
+    return doubtful
+
+
+def _beside(cells: Ints) -> Ints:
+    """Which cells (k, 4) lie across the sides of each, -1 for none."""
+    return _number(cells, (cells[:, None] + _BEYOND).reshape(-1, 2)).reshape(-1, 4)
+
+
+def _number(cells: Ints, wanted: Ints) -> Ints:
+    """Which of the cells those that are wanted are; -1 for others."""
+    if not len(cells):
+        return np.full(len(wanted), -1)
+    low, width = cells.min(axis=0) - 1, int(np.ptp(cells[:, 1])) + 3
+    wanted = np.clip(wanted, low, cells.max(axis=0) + 1)
+    key, asked = ((some - low) @ np.array([width, 1]) for some in (cells, wanted))
+    order = np.argsort(key)
+    place = np.minimum(np.searchsorted(key[order], asked), len(key) - 1)
+    return np.asarray(np.where(key[order[place]] == asked, order[place], -1))
+
+
+def _grown(some: Flags, cells: Ints) -> Flags:
+    """Some of the cells, and those around them."""
+    grown = some.copy()
+    near = _number(cells, (cells[some][:, None] + _AROUND).reshape(-1, 2))
+    grown[near[near >= 0]] = True
+    return grown
+
+
+def _pieces(inside: Flags) -> Ints:
+    """The pieces less the holes of sets of points (k, m, m): vertices less edges and squares."""
+    across, along = inside[:, 1:] & inside[:, :-1], inside[:, :, 1:] & inside[:, :, :-1]
+    squares = across[:, :, 1:] & across[:, :, :-1]
+    counts = [np.count_nonzero(one, axis=(1, 2)) for one in (inside, across, along, squares)]
+    return np.asarray(counts[0] - counts[1] - counts[2] + counts[3])
+
+
+def _hidden(high: Flags, cells: _Cells) -> Flags:
+    """Which cells hold more than their corners say."""
+    corners = high[:, [0, 0, -1, -1], [0, -1, 0, -1]]
+    crossed = ~(corners == corners[:, :1]).all(axis=1)
+    above, below = _pieces(high), _pieces(~high)
+    saddle = (corners[:, 0] == corners[:, 3]) & (corners[:, 1] == corners[:, 2]) & (corners[:, 0] != corners[:, 1])
+    # The lines keep the high ones of a saddle apart.
+    alone = (above + below == 1) & ~crossed
+    simple = ((below == 1) & (above == np.where(saddle, 2, 1))) | alone
+    hidden = ~simple
+    # A line that bulges into a cell without a sample on its other side is seen if it and the cell beside are one.
+    bulge = (high != corners[:, :1, None]) & ~crossed[:, None, None]
+    hidden |= bulge.any(axis=(1, 2))
+    for axis in (1, 2):
+        for end in (0, -1):
+            own = np.flatnonzero(simple & bulge.take(end, axis).any(axis=1))
+            beside = cells.first[own] + (1 if end else -1) * (np.arange(2) == axis - 1)
+            other = _number(cells.first, beside)
+            own, other = own[other >= 0], other[other >= 0]
+            pair = (high[other], high[own]) if end == 0 else (high[own], high[other])
+            both = np.concatenate([pair[0], pair[1].take(np.arange(1, high.shape[axis]), axis)], axis=axis)
+            one = (_pieces(both) == 1) & (_pieces(~both) == 1) & crossed[other]
+            hidden[own[one]] = hidden[other[one]] = False
+    return np.asarray(hidden)

@@ -1,0 +1,68 @@
+"""Lines thinner than a cell: closed forms of rings, slots, ovals and discs that touch; what is too thin is told."""
+
+import math
+
+import pytest
+
+import rsym
+from rsym import x, y
+
+OVAL = rsym.Shape(x**3 - x**2 - 384 * x - 2772 - y**2, (x, y), bounds=((-30, 40), (-60, 60)))
+
+
+def lines_of(shape, resolution=128, **options):
+    return rsym.level_lines(shape, resolution=resolution, **options)
+
+
+def test_a_ring_thinner_than_a_cell_is_two_circles():
+    lines = lines_of(rsym.disc(1) - rsym.disc(0.994))
+    assert [len(lines), lines.status.unseen] == [2, 0]
+    assert lines.length == pytest.approx(2 * math.pi * 1.994, rel=1e-5)
+    assert lines.area == pytest.approx(math.pi * (1 - 0.994**2), rel=1e-4)
+
+
+def test_a_slot_and_a_disc_below_a_cell_are_there():
+    slot = rsym.rectangle(1, 0.006, (0.1, 0.2))
+    lines = lines_of((rsym.rectangle(2, 2) - slot) | rsym.disc(0.004, (1.5, 0.3)))
+    assert len(lines) == 3
+    assert lines.area == pytest.approx(4 - 0.006 + math.pi * 0.004**2, rel=1e-4)
+
+
+def test_a_sharp_tip_is_no_doubt():
+    lines = lines_of(rsym.polygon([(0, 0), (10, 0), (10, 0.4)]), 64)
+    assert lines.length == pytest.approx(10.4 + math.hypot(10, 0.4), rel=1e-12)
+    assert (lines.status.unseen, lines.status.unresolved_corners) == (0, 0)
+
+
+def test_an_oval_is_found_at_any_resolution():
+    for resolution in (16, 64, 512):
+        lines = lines_of(OVAL, resolution)
+        assert (lines.status.closed, lines.status.open) == (1, 1)
+
+
+def test_discs_that_touch_are_told_where_they_touch():
+    with pytest.warns(rsym.RsymWarning, match=r"Unresolved in \d+ cells? of .* near \(1, "):
+        lines = lines_of(rsym.disc(1) | rsym.disc(1, (2, 0)), 512)
+    assert lines.length == pytest.approx(4 * math.pi, rel=1e-4)
+    assert lines.status.place == pytest.approx((1, 0), abs=0.05)
+
+
+def test_what_is_too_thin_for_the_finest_cells_is_told():
+    with pytest.warns(rsym.RsymWarning, match="Unresolved in"):
+        lines = lines_of(rsym.disc(1) - rsym.disc(1 - 1e-6))
+    assert lines.status.unseen > 100
+    assert "lines may be missing" in str(lines.status)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [rsym.disc(1), rsym.rectangle(2, 1) | rsym.disc(1, (1, 0.5)), rsym.ellipse(3, 1).rotate(0.3) - rsym.disc(0.5)],
+    ids=["disc", "union", "hole"],
+)
+def test_lines_where_nothing_was_wrong_keep_their_bits(shape, monkeypatch):
+    lines = lines_of(shape)
+    assert lines.status.examined
+    monkeypatch.setattr("rsym.sampling.unseen._undecided", lambda *given: None)
+    plain = lines_of(shape)
+    assert [line.tobytes() for line in lines] == [line.tobytes() for line in plain]
+    assert not plain.status.examined
