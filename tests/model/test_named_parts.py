@@ -192,5 +192,3 @@ def test_of_parts_of_one_formula_neither_is_changed_for_the_other():
     left, right = disc(0).named("left") & Shape(-x, (x, y)), disc(0).named("right") & Shape(x, (x, y))
     with pytest.raises(RsymError, match="same formula as right"):
         (left | right).with_part("left", disc(1))
-    twice = disc(0).named("left").named("right") & Shape(x, (x, y))  # one place with two names
-    assert twice.with_part("left", disc(1)).expression == (disc(1) & Shape(x, (x, y))).expression
