@@ -98,12 +98,13 @@ def _on_leaves(
     """Lines by the middles of the edges that they cross, each vertex on its leaf, and corners where leaves meet."""
     cell = min(sampler.lattice.spacing)
     index = np.concatenate([*found, np.empty((0, 2))])
-    points = _on_edges(sampler, leaves, index)
+    points, sizes = _on_edges(sampler, leaves, index)
     distance, leaf = leaves.distance(points)
     starts = np.cumsum([0, *map(len, found)])
     joints = np.flatnonzero(np.diff(leaf))
     joints = joints[~np.isin(joints + 1, starts)]
-    corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1]), cell)
+    near = REACH * cell * np.maximum(sizes[joints], sizes[joints + 1])
+    corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1], near), cell)
     places = joints[corners.joint] + 1
     ends = starts + np.searchsorted(places, starts)
     lines, edges = (
@@ -125,8 +126,8 @@ def _on_leaves(
     return LevelLines(lines, 0.0, "value", status), edges
 
 
-def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floats:
-    """The zero of the form on the edge of each vertex; `index` holds the middles of the edges."""
+def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> tuple[Floats, Floats]:
+    """The zero of the form on the edge of each vertex, and its length in cells; `index` holds the middles of edges."""
     low, high = edges_of(index)
     along = high - low
     start, end = (leaves.active(sampler.lattice.points(end))[0] for end in (low, high))
@@ -134,7 +135,7 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floa
     def at(t: Floats, which: Ints) -> Floats:
         return leaves.active(sampler.lattice.points(low[which] + t[:, None] * along[which]))[0]
 
-    return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along)
+    return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along), along.max(axis=1)
 
 
 def _off_walls(
@@ -158,16 +159,18 @@ def _off_walls(
 
 
 class Joints(NamedTuple):
-    """Neighbours on different leaves: points (k, 2) before and after, and their leaves."""
+    """Neighbours on different leaves: points (k, 2) before and after, their leaves, and how far a corner may be."""
 
     before: Floats
     after: Floats
     one: Ints
     other: Ints
+    reach: Floats
 
     def take(self, which: Ints) -> Joints:
         """Some of them, as often as they are named."""
-        return Joints(self.before[which], self.after[which], self.one[which], self.other[which])
+        one, other = self.one[which], self.other[which]
+        return Joints(self.before[which], self.after[which], one, other, self.reach[which])
 
 
 class _Corners(NamedTuple):
@@ -201,7 +204,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
     corner = leaves.common((joints.before + joints.after) / 2, joints.one, joints.other)
     if len(leaves.walls):  # a line may end upright at a wall
         ends = np.isin(joints.one, leaves.walls) | np.isin(joints.other, leaves.walls)
-        holds = _near(joints, corner, cell)
+        holds = _near(joints, corner)
         rest = np.flatnonzero(~ends)
         holds[rest] = _holds(leaves, joints.take(rest), corner[rest], cell)
         return corner, holds
@@ -210,7 +213,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
 
 def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> Flags:
     return (
-        _near(joints, corner, cell)
+        _near(joints, corner)
         & leaves.meet(corner, joints.one, joints.other, cell)
         & _bounds(leaves, joints.before, corner, joints.one, cell)
         & _bounds(leaves, corner, joints.after, joints.other, cell)
@@ -220,7 +223,7 @@ def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
     first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
-    holds = _near(joints, first, cell) & _near(joints, second, cell)
+    holds = _near(joints, first) & _near(joints, second)
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
     holds[near] = (
@@ -233,8 +236,8 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     return np.stack([first, second], axis=1), holds
 
 
-def _near(joints: Joints, points: Floats, cell: float) -> Flags:
-    near: Flags = np.linalg.norm(points - joints.before, axis=1) <= REACH * cell
+def _near(joints: Joints, points: Floats) -> Flags:
+    near: Flags = np.linalg.norm(points - joints.before, axis=1) <= joints.reach
     return near
 
 
