@@ -116,10 +116,12 @@ def test_edges_on_one_line_share_their_half_plane():
     assert len(half_planes(polygon(DOVETAIL).expression)) == 7
 
 
-def test_convex_polygons_are_one_conjunction():
+def test_convex_polygons_are_conjunctions():
     corners = [(int(100 * np.cos(t)), int(100 * np.sin(t))) for t in np.linspace(0, 6, 40)]
     assert len(polygon(corners).expression.args) == 40
-    assert len(regular_polygon(17).expression.args) == 17
+    regular = regular_polygon(17).expression
+    assert len(half_planes(regular)) == 17
+    assert regular.atoms(Fold) == regular.atoms(type(regular))
 
 
 def test_either_way_round_from_any_corner_and_in_any_container():
@@ -210,3 +212,44 @@ def test_outlines_of_the_oracle():
     square = np.array([(0, 0), (2, 0), (2, 2), (0, 2)])
     assert outlines.inside(square, [(1, 1), (3, 1), (-1, 1), (1, -1)]).tolist() == [True, False, False, False]
     assert half_planes(rsym.conjunction(x, rsym.disjunction(y, -x))) == [x, y, -x]
+
+
+SYMMETRIC = {
+    "rectangle": ([(0, 0), (2, 0), (2, 1), (0, 1)], "xy"),
+    "triangle": ([(0, 0), (2, 0), (1, 3)], "x"),
+    "T": ([(0, 0), (1, 0), (1, 2), (2, 2), (2, 3), (-1, 3), (-1, 2), (0, 2)], "x"),
+    "plus": ([(1, 0), (2, 0), (2, 1), (3, 1), (3, 2), (2, 2), (2, 3), (1, 3), (1, 2), (0, 2), (0, 1), (1, 1)], "xy"),
+    "H": ([(0, 0), (1, 0), (1, 2), (2, 2), (2, 0), (3, 0), (3, 5), (2, 5), (2, 3), (1, 3), (1, 5), (0, 5)], "xy"),
+    "arrow": ([(0, 0), (2, 1), (0, 2), (0.5, 1)], "y"),
+}
+
+
+@pytest.mark.parametrize("name", SYMMETRIC)
+def test_a_symmetric_polygon_is_an_even_motif(name):
+    """R_0 is not associative: in the order of the edges omega would differ from its mirror image by a tenth."""
+    corners, axes = SYMMETRIC[name]
+    middle = [(min(axis) + max(axis)) / 2 for axis in zip(*corners, strict=True)]
+    made = polygon(corners).translate(-middle[0], -middle[1])
+    for axis in (x, y):
+        if axis.name in axes:
+            rows = rsym.row(made, 10, axis=axis, count=2)
+            places = {x: 0, y: 0, axis: 10}
+            assert rows.contains(places[x], places[y]) == made.contains(0, 0)
+        else:
+            with pytest.raises(RsymError, match="must be even"):
+                rsym.row(made, 10, axis=axis, count=2)
+
+
+@pytest.mark.parametrize("sides", range(3, 13))
+def test_a_regular_polygon_is_an_even_motif(sides):
+    made = regular_polygon(sides, 2)
+    rsym.row(made, 10, axis=y)
+    rsym.row(made.rotate(sp.pi / 2), 10)
+    if sides % 2 == 0:
+        rsym.grid(made, (10, 10))
+    if sides in (4, 8):  # all mirrors
+        rsym.grid(made.rotate(sp.pi / sides), (10, 10))
+    angle = 2 * np.pi * np.arange(sides) / sides
+    corners = list(zip(2 * np.cos(angle), 2 * np.sin(angle), strict=True))
+    u, v = np.random.default_rng(4).uniform(-3, 3, (2, 500))
+    assert (made.contains(u, v) == polygon(corners).contains(u, v)).all()

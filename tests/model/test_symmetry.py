@@ -71,7 +71,9 @@ def test_cyclic_copies(motif, order, kind):
     u, v = points()
     u = np.concatenate([u, [-4.0, -4.0, -5.0, -5.0]])
     v = np.concatenate([v, [1e-12, -1e-12, 1e-7, -1e-7]])
-    got = values(cyclic(motif, order, radius=3, motif=kind), u, v)
+    # With a letter the copies are not known to keep apart for all of its values, and the plane is folded.
+    radius, letters = (a, {a: 3}) if kind == "any" else (3, None)
+    got = values(cyclic(motif, order, radius=radius, motif=kind, letters=letters), u, v)
     p, q, turn = in_the_first_sector(u, v, order)
     expected = values(motif, p - 3, q)
     assert_close(got["value"], expected["value"], atol=3e-13)
@@ -224,3 +226,67 @@ def test_what_is_refused(call, code):
     with pytest.raises(RsymError) as caught:
         call()
     assert caught.value.code == code
+
+
+TILTED = rsym.ellipse(1, sp.Rational(2, 5)).rotate(sp.Rational(1, 2))
+
+
+@pytest.mark.parametrize("kind", ["cyclic", "row"])
+def test_any_motifs_that_keep_apart_are_as_good_as_their_union(kind):
+    if kind == "cyclic":
+        made, jumping = (cyclic(TILTED, 5, radius=radius, motif="any", letters={a: 3}) for radius in (3, a))
+        copies = [TILTED.translate(3, 0).rotate(2 * sp.pi * k / 5) for k in range(5)]
+    else:
+        made, jumping = (row(TILTED, period, count=5, motif="any", letters={a: 3}) for period in (3, a))
+        copies = [TILTED.translate(3 * k, 0) for k in range(5)]
+    union = rsym.disjunction(*copies)
+    u, v = points()
+    u = u + 6 * (kind == "row")
+    assert (made.contains(u, v) == union.contains(u, v)).all()
+    assert (made.contains(u, v) == jumping.contains(u, v)).all()
+    # The same near the boundary as where the plane is folded.
+    near = np.abs(values(jumping, u, v)["value"]) < 0.05
+    assert near.sum() > 10
+    assert_close(values(made, u, v)["value"][near], values(jumping, u, v)["value"][near], atol=1e-13)
+    found = rsym.measure(made, cells=24)
+    assert found.area == pytest.approx(5 * np.pi * 0.4, rel=1e-10)
+    assert rsym.verify_smoothness(made).verdict == "CERTIFIED"
+
+
+@pytest.mark.parametrize("motif", [DROP, ~TILTED, TILTED.scale(2), rsym.half_plane((1, 0))])
+def test_motifs_that_leave_their_cells_are_cut_off(motif):
+    """Half planes, complements, what is too large: the field of the sector, or of the cell, as it was."""
+    u, v = points()
+    made = cyclic(motif, 5, radius=1, motif="any")
+    p, q, _ = in_the_first_sector(u, v, 5)
+    assert_close(values(made, u, v)["value"], values(motif, p - 1, q)["value"], atol=1e-12)
+    made = row(motif, 2, count=4, motif="any")
+    assert_close(values(made, u, v)["value"], values(motif, in_the_nearest_cell(u, 2, 4), v)["value"], atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 4, 5])
+@pytest.mark.parametrize("kind", ["even", "any"])
+def test_a_row_about_its_middle(count, kind):
+    motif = TILTED if kind == "any" else rsym.ellipse(1, sp.Rational(2, 5))
+    plain, centred = (row(motif, a, count=count, centred=one, motif=kind, letters={a: 3}) for one in (False, True))
+    u, v = points()
+    for period in (3.0, 2.5):
+        shift, letters = (count - 1) * period / 2, {"a": period}
+        got, same = values(centred, u, v, letters=letters), values(plain, u + shift, v, letters=letters)
+        assert_close(got["value"], same["value"], atol=1e-12)
+    (left, right), _ = rsym.extent(row(motif, 3, count=count, centred=True, motif=kind))
+    assert left == pytest.approx(-right, abs=0.1)
+
+
+def test_a_grid_about_its_middle():
+    made = grid(rsym.disc(1), (3, 4), counts=(2, 3), centred=True)
+    for place in [(-1.5, -4), (1.5, 4), (1.5, 0)]:
+        assert made.contains(*place)
+    assert rsym.measure(made, cells=16).area == pytest.approx(6 * np.pi, rel=1e-9)
+    assert not made.contains(0, 0)
+    for refused, words in (
+        (lambda: row(rsym.disc(1), 3, centred=True), "no middle"),
+        (lambda: grid(rsym.disc(1), 3, counts=(2, 2)), "a period for each coordinate"),
+    ):
+        with pytest.raises(RsymError, match=words):
+            refused()

@@ -59,6 +59,10 @@ DEFERRED = {
         "rsym.sampling.offsets",
     ): "offset and shell: a length that no leaf knows is measured where it is asked for, or nobody would look at it",
     (
+        "model/symmetry/copies.py",
+        "rsym.sampling.extent",
+    ): "cyclic and row: whether a motif keeps within its cell is proved where it is copied, and decides how",
+    (
         "surfaces/patch.py",
         "rsym.surfaces.meshes",
     ): "patch.mesh(resolution): the mesh of a patch is asked of it, as its grid is, and a mesh is made of patches",

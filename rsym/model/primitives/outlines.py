@@ -19,7 +19,7 @@ finding the CSG representation of a simple polygon" (1988), after Peterson (1984
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TypeAlias
@@ -173,6 +173,80 @@ def monotone_formula(corners: Sequence[Place]) -> tuple[Junction, tuple[tuple[in
     """
     chains = _Chains(corners)
     return chains.polygon(), tuple(chains.shared)
+
+
+Permutation: TypeAlias = Sequence[int]  # of the edges
+
+
+def mirrors(corners: Sequence[Place]) -> list[Permutation]:
+    """The half turn and the reflection in x, or the one reflection in a coordinate, that map the outline onto itself.
+
+    They are about the middle of its extent, and say which edge becomes which.
+
+    Examples
+    --------
+    >>> mirrors([(0, 0), (2, 0), (2, 1), (0, 1)])
+    [(2, 3, 0, 1), (0, 3, 2, 1)]
+    """
+    near, count = 10 * nearness(corners), len(corners)
+    middle = [(min(axis) + max(axis)) / 2 for axis in zip(*corners, strict=True)]
+    found: list[Permutation] = []
+    for axis in (1, 0):
+        images = [tuple(2 * middle[k] - c if k == axis else c for k, c in enumerate(corner)) for corner in corners]
+        places = [[k for k, corner in enumerate(corners) if math.dist(image, corner) <= near] for image in images]
+        if all(len(place) == 1 for place in places):  # a reflection turns round: an edge begins at the image of its end
+            found.append(tuple(places[(edge + 1) % count][0] for edge in range(count)))
+    if len(found) < 2:
+        return found
+    return [tuple(found[0][edge] for edge in found[1]), found[1]]
+
+
+def in_symmetric_pairs(formula: Branch, symmetries: Sequence[Permutation]) -> Branch:
+    """The same branches, joined so that each symmetry only exchanges operands: no operation of R_0 is associative.
+
+    Every symmetry normalises the group of those before it and has its square in it. One that does not map the formula
+    onto itself is left out.
+
+    Examples
+    --------
+    >>> in_symmetric_pairs(Junction(True, (0, 1, 2, 3)), [(2, 3, 0, 1), (0, 3, 2, 1)])
+    Junction(common=True, branches=(Junction(common=True, branches=(0, 2)), Junction(common=True, branches=(1, 3))))
+    """
+    whole = _key(formula)
+    kept = [symmetry for symmetry in symmetries if _key(_image(formula, symmetry)) == whole]
+    if not isinstance(formula, Junction) or not kept:
+        return formula
+    done: set[Hashable] = set()
+    joined: list[Branch] = []
+    for branch in formula.branches:
+        if _key(branch) in done:
+            continue
+        orbit = {_key(branch): branch}
+        for made in (stack := [branch]):
+            images = [_image(made, symmetry) for symmetry in kept]
+            stack += [image for image in images if _key(image) not in orbit]
+            orbit.update((_key(image), image) for image in images)
+        done |= orbit.keys()
+        group = in_symmetric_pairs(branch, [*kept, *(tuple(kept[0][edge] for edge in other) for other in kept[1:])])
+        for symmetry in kept:
+            image = _image(group, symmetry)
+            if _key(image) != _key(group):
+                group = Junction(formula.common, (group, image))
+        joined.append(group)
+    return joined[0] if len(joined) == 1 else Junction(formula.common, tuple(joined))
+
+
+def _image(branch: Branch, symmetry: Permutation) -> Branch:
+    if not isinstance(branch, Junction):
+        return symmetry[branch]
+    return Junction(branch.common, tuple(_image(part, symmetry) for part in branch.branches))
+
+
+def _key(branch: Branch) -> Hashable:
+    """The same for branches that differ in the order of operands alone."""
+    if not isinstance(branch, Junction):
+        return branch
+    return branch.common, frozenset(map(_key, branch.branches))
 
 
 class _Chains:

@@ -17,6 +17,8 @@ from rsym.model.primitives.outlines import (
     Place,
     area,
     check_simple,
+    in_symmetric_pairs,
+    mirrors,
     monotone_formula,
     nearness,
     shown,
@@ -32,6 +34,7 @@ from rsym.model.vectors import minus
 def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
     """The inside of a simple polygon, convex or not: a monotone formula of the half-planes of its edges.
 
+    What mirrors each other in x or in y is joined first, so that omega is as even as the polygon, where that can be.
     Each edge occurs once; edges on one line at the outside of a bay or of the whole share their half-plane, or
     normalisation would be lost on them. Corners are given in order, either way round; a last one equal to the first
     may be given; one in which the outline does not turn is left out. What is convex and in which order the edges are
@@ -70,7 +73,9 @@ def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None)
     edges = [_left_of(*ends, letters) for ends in zip(corners, (*corners[1:], corners[0]), strict=True)]
     try:
         formula, shared = monotone_formula(places)
-        expression = _joined(formula, edges, system)
+        written = {edge: kept for kept, edge in shared}
+        symmetries = [[written.get(edge, edge) for edge in symmetry] for symmetry in mirrors(places)]
+        expression = _joined(in_symmetric_pairs(formula, symmetries), edges, system)
     except RecursionError:
         raise RsymError(
             f"the {len(corners)} corners of this polygon wind too often around one another",
@@ -87,6 +92,8 @@ def regular_polygon(
 ) -> Shape:
     """The conjunction of n half-planes R*cos(pi/n) - n_k . (p - c): corners on a circle, the first to the right.
 
+    They are joined in pairs that mirror each other, so that omega is even in y, and in x if n is even.
+
     The unit normal n_k points in the direction (2 k + 1)*pi/n; its components are exact. Normalised to order 1 with
     R_0, to every order with R_1. With R_0 analytic except at the corners and at points off the boundary where two
     operands vanish together, there continuous.
@@ -100,20 +107,23 @@ def regular_polygon(
     --------
     >>> import rsym
     >>> rsym.regular_polygon(4, sp.sqrt(2)).expression
-    conjunction(-sqrt(2)*x/2 - sqrt(2)*y/2 + 1, sqrt(2)*x/2 - sqrt(2)*y/2 + 1, sqrt(2)*x/2 + sqrt(2)*y/2 + 1, \
--sqrt(2)*x/2 + sqrt(2)*y/2 + 1)
+    conjunction(-sqrt(2)*x/2 - sqrt(2)*y/2 + 1, sqrt(2)*x/2 + sqrt(2)*y/2 + 1, \
+conjunction(sqrt(2)*x/2 - sqrt(2)*y/2 + 1, -sqrt(2)*x/2 + sqrt(2)*y/2 + 1))
     """
     count = whole(sides, "the number of sides", 3)
     radius = positive(radius, "the radius", letters)
     centre = point(centre, 2, "the centre")
     across, up = minus(PLANE, centre)
     angles = [(2 * side + 1) * sp.pi / count for side in range(count)]
+    turns = [count // 2**k for k in range(1, count) if count % 2**k == 0]  # edges that a half turn, a quarter, .. skips
+    symmetries = [[(side + turn) % count for side in range(count)] for turn in turns]
+    formula = in_symmetric_pairs(Junction(True, tuple(range(count))), [*symmetries, range(count)[::-1]])
     apothem = radius * sp.cos(sp.pi / count)
     edges = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
     ((right, above),), reach = _places([centre], letters), default(radius, letters)
-    turns = [2 * math.pi * corner / count for corner in range(count)]
-    box = box_around([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in turns])
-    return Shape(system.conjunction(*edges), PLANE, letters=letters, box=box)
+    corners = [2 * math.pi * corner / count for corner in range(count)]
+    box = box_around([(right + reach * math.cos(turn), above + reach * math.sin(turn)) for turn in corners])
+    return Shape(_joined(formula, edges, system), PLANE, letters=letters, box=box)
 
 
 def _corners(points: Any) -> list[Point]:

@@ -6,6 +6,7 @@ normalisation is kept inside the cells; on the borders between them the result
 has a kink, unless the boundary meets the border at a right angle or not at all.
 
 - `waves`, `reflections`: maps that fold a line, space and a turn onto one cell; `evenness`: when they may
+- `copies`: motifs that keep within their cells, which need no map
 - `cyclic`, `rows`, `mirrors`, `screws`: a motif and such a map make a shape
 
 Source: Maksimenko-Sheiko and Sheiko (2008).

@@ -9,10 +9,12 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, whole
+from rsym.model.bounding import BoundingBox
 from rsym.model.choices import Choice
 from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.model.symmetry.copies import apart
 from rsym.model.symmetry.evenness import check_even
 from rsym.model.symmetry.reflections import farthest, turned_box, turned_coordinates, within_half_a_sector
 from rsym.model.symmetry.waves import SawtoothWave, triangle_wave
@@ -42,6 +44,9 @@ def cyclic(
     For odd n and an even motif |mu| serves as well: the fold of `kaleidoscope`.
     For any motif (x, y) is turned back by the angle of its sector, whose sine and cosine are chosen by the borders.
     Elsewhere the angle jumps on a border; a mesh says that it proves nothing of the cells there.
+
+    A motif without letters that provably lies within its sector is copied: omega is the largest of the n copies, the
+    same near the boundary, and does not jump.
 
     The motif is moved outwards by the radius along the first coordinate; what
     of it lies within the sector |theta| <= pi/n counts. Exact inside the
@@ -90,15 +95,28 @@ def cyclic(
     reach = default(outset, shape.letters.merge(letters), "the radius")
     if checked_motif(motif, terms):
         check_even(shape, second)
+    box = turned_box(shape, (first, second), reach)
+    if motif == "any" and (made := _apart(shape, first, second, n, outset, box)) is not None:
+        return made
     folded = _mirrored_fan(first, second, n) if motif == "even" and terms is None else None
     chosen = _chosen_turn(first, second, n) if motif == "any" else None
     outwards, across = folded or chosen or _turned_back(first, second, n, terms, motif)
-    return substituted(
-        shape,
-        {first: outwards - outset, second: across},
-        letters=letters,
-        box=turned_box(shape, (first, second), reach),
-    )
+    return substituted(shape, {first: outwards - outset, second: across}, letters=letters, box=box)
+
+
+def _apart(
+    shape: Shape, first: sp.Symbol, second: sp.Symbol, n: int, outset: sp.Expr, box: BoundingBox | None
+) -> Shape | None:
+    """The copies, if the motif lies between the borders of its sector."""
+
+    def placed(along: sp.Expr, across: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
+        return {first: along - outset, second: across}
+
+    turns = [(sp.cos(angle), sp.sin(angle)) for angle in (2 * sp.pi * k / n for k in range(n))]
+    copies = [placed(c * first + s * second, c * second - s * first) for c, s in turns]
+    c, s = sp.cos(sp.pi / n), sp.sin(sp.pi / n)
+    sides = [placed(c * first + s * second, way * (s * first - c * second)) for way in (1, -1)]
+    return apart(shape, copies, sides, second, box)
 
 
 def _mirrored_fan(first: sp.Symbol, second: sp.Symbol, n: int) -> tuple[sp.Expr, sp.Expr] | None:

@@ -14,6 +14,7 @@ from rsym.model.equation import substituted
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import x
+from rsym.model.symmetry.copies import apart
 from rsym.model.symmetry.cyclic import checked_motif
 from rsym.model.symmetry.evenness import check_even
 from rsym.model.symmetry.waves import SawtoothRow, SawtoothWave, TriangleRow, triangle_wave
@@ -25,6 +26,7 @@ def row(
     *,
     axis: Any = x,
     count: Any = None,
+    centred: bool = False,
     terms: Any = None,
     motif: str = "even",
     letters: LetterMapping = None,
@@ -32,13 +34,15 @@ def row(
     """A motif again and again along a coordinate: omega0(mu(x), y, ...), one copy every h.
 
     infinite: mu(x) = (h/pi) asin(sin(pi x/h)), copies at k h for every integer k
-    n copies: the same on the cells of the copies 0, h, ..., (n - 1) h, straight on outside, so the ends are exact
+    n copies: the same on the cells of the copies 0, h, ..., (n - 1) h, straight on outside, so the ends are exact;
+    centred they are -(n - 1) h/2, ..., (n - 1) h/2
 
     What of the motif lies within the cell |x| <= h/2 counts, at the ends of
     a finite row also what sticks out. Exact inside the cells: every order of normalisation
     is kept; on the borders x = (k + 1/2) h there is a kink unless the boundary
     meets them at a right angle. With N terms the field is analytic, but the boundary moves.
-    Any motif: mu = x - h round(x/h), and the field jumps on the borders.
+    Any motif: mu = x - h round(x/h), and the field jumps on the borders; in a finite row one without letters that
+    provably lies within its cell is copied, omega the largest of the copies, the same near the boundary.
 
     Parameters
     ----------
@@ -50,6 +54,8 @@ def row(
         The coordinate along which to repeat.
     count : integer, optional
         n; the first copy is the motif itself. Without it the row is infinite.
+    centred : bool
+        Whether the middle of a finite row is where the motif is.
     terms : integer, optional
         N, for the series instead of the exact wave; for infinite rows.
     motif : "even" or "any"
@@ -79,11 +85,25 @@ def row(
     if even:
         check_even(shape, along)
     if count is None:
+        if centred:
+            raise RsymError("an infinite row has no middle", code="centred", remedy="give count, or leave centred out")
         wave = triangle_wave(along, period, terms) if even else SawtoothWave(along, period)
-    else:
-        wave = _finite(along, period, whole(count, "the count", 1), terms, even)
-    box = None if count is None else _lengthened(shape, along, (count - 1) * default(period, known))
+        return substituted(shape, {along: wave}, letters=letters)
+    number = whole(count, "the count", 1)
+    first = -period * (number - 1) / 2 if centred else sp.S.Zero
+    box = _lengthened(shape, along, default(first, known), (number - 1) * default(period, known))
+    if not even and (made := _apart(shape, along, period, number, first, box)) is not None:
+        return made
+    wave = _finite(along, period, number, terms, even).xreplace({along: along - first})
     return substituted(shape, {along: wave}, letters=letters, box=box)
+
+
+def _apart(
+    shape: Shape, along: sp.Symbol, period: sp.Expr, count: int, first: sp.Expr, box: BoundingBox | None
+) -> Shape | None:
+    """The copies, if the motif lies between the borders of its cell."""
+    copies = [{along: along - first - k * period} for k in range(count)]
+    return apart(shape, copies, [{along: way * (along - period / 2)} for way in (1, -1)], along, box)
 
 
 def grid(
@@ -91,6 +111,7 @@ def grid(
     periods: Sequence[Any],
     *,
     counts: Sequence[Any] | None = None,
+    centred: bool = False,
     terms: Any = None,
     motif: str = "even",
     letters: LetterMapping = None,
@@ -107,7 +128,7 @@ def grid(
         One for each coordinate in turn; fewer than coordinates leave the last ones alone.
     counts : sequence of integers, optional
         How many copies along each; without them the grid is infinite.
-    terms, motif, letters
+    centred, terms, motif, letters
         As for `row`.
 
     Raises
@@ -124,7 +145,9 @@ def grid(
     array([ 0.5, -7.5])
     """
     require_shape(shape)
-    periods = tuple(periods)
+    if not isinstance(periods, Sequence) or isinstance(periods, str):
+        remedy = f"({', '.join([str(periods)] * shape.dimension)})"
+        raise RsymError(f"a grid needs a period for each coordinate, got {periods!r}", code="grid", remedy=remedy)
     numbers = (None,) * len(periods) if counts is None else tuple(counts)
     if not 1 <= len(periods) <= shape.dimension or len(numbers) != len(periods):
         raise RsymError(
@@ -132,7 +155,7 @@ def grid(
             code="grid",
         )
     for axis, period, count in zip(shape.coordinates, periods, numbers, strict=False):
-        shape = row(shape, period, axis=axis, count=count, terms=terms, motif=motif, letters=letters)
+        shape = row(shape, period, axis=axis, count=count, centred=centred, terms=terms, motif=motif, letters=letters)
     return shape
 
 
@@ -148,9 +171,11 @@ def _finite(place: sp.Symbol, period: sp.Expr, cells: int, terms: Any, even: boo
     return (TriangleRow if even else SawtoothRow)(place, period, sp.Integer(cells))
 
 
-def _lengthened(shape: Shape, along: sp.Symbol, length: float) -> BoundingBox | None:
+def _lengthened(shape: Shape, along: sp.Symbol, first: float, length: float) -> BoundingBox | None:
     def longer(ends: Bounds) -> Bounds:
         pairs = zip(shape.coordinates, ends, strict=True)
-        return tuple((low, high + length) if symbol == along else (low, high) for symbol, (low, high) in pairs)
+        return tuple(
+            (low + first, high + first + length) if symbol == along else (low, high) for symbol, (low, high) in pairs
+        )
 
     return shape.box and shape.box.mapped(longer)

@@ -160,8 +160,8 @@ def inward_corners(shape: Shape) -> Floats:
     Examples
     --------
     >>> import rsym
-    >>> inward_corners(rsym.rectangle(4, 4) - rsym.rectangle(2, 2).translate(1, 1)).tolist()
-    [[0.0, 0.0]]
+    >>> inward_corners(rsym.rectangle(4, 4) - rsym.rectangle(2, 2).translate(1, 1)).round(9) + 0.0
+    array([[0., 0.]])
     """
     try:
         found, _ = surveyed_corners(shape)
