@@ -103,8 +103,7 @@ def _on_leaves(
     starts = np.cumsum([0, *map(len, found)])
     joints = np.flatnonzero(np.diff(leaf))
     joints = joints[~np.isin(joints + 1, starts)]
-    near = REACH * cell * np.maximum(sizes[joints], sizes[joints + 1])
-    corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1], near), cell)
+    corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1]), cell)
     places = joints[corners.joint] + 1
     ends = starts + np.searchsorted(places, starts)
     lines, edges = (
@@ -114,6 +113,7 @@ def _on_leaves(
     if len(leaves.walls):
         labels = np.split(np.insert(leaf, places, -1), ends[1:-1]) if found else ()
         lines, edges = _off_walls(lines, edges, [np.isin(row, leaves.walls) for row in labels])
+    lines, edges = _without_beads(lines, edges, np.split(sizes, starts[1:-1]) if found else (), cell)
     closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
@@ -138,6 +138,28 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> tupl
     return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along), along.max(axis=1)
 
 
+def _without_beads(
+    lines: Sequence[Floats], edges: Sequence[Floats], sizes: Sequence[Floats], cell: float
+) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
+    """Lines without those that samples cut off a sharp tip: they end in a corner that a longer one has too."""
+    small = [
+        len(size) < len(line) and np.ptp(line, axis=0).max() <= 2 * REACH * cell * size.max()
+        for line, size in zip(lines, sizes, strict=False)
+    ]
+    if len(small) != len(lines) or all(small) or not any(small):
+        return tuple(lines), tuple(edges)
+    corners = np.concatenate(
+        [line[np.isnan(edge[:, 0])] for line, edge, one in zip(lines, edges, small, strict=True) if not one]
+    )
+    kept = []
+    for number, (line, one) in enumerate(zip(lines, small, strict=True)):
+        own = line[np.isnan(edges[number][:, 0])] if one else corners[:0]
+        apart = np.abs(own[:, None] - corners).max(axis=2).min(axis=1, initial=np.inf) if one else own[:, 0]
+        if not (apart <= ON_LEVEL * cell).any():
+            kept.append(number)
+    return tuple(lines[k] for k in kept), tuple(edges[k] for k in kept)
+
+
 def _off_walls(
     lines: Sequence[Floats], edges: Sequence[Floats], walls: Sequence[Flags]
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
@@ -159,18 +181,16 @@ def _off_walls(
 
 
 class Joints(NamedTuple):
-    """Neighbours on different leaves: points (k, 2) before and after, their leaves, and how far a corner may be."""
+    """Neighbours on different leaves: points (k, 2) before and after, and their leaves."""
 
     before: Floats
     after: Floats
     one: Ints
     other: Ints
-    reach: Floats
 
     def take(self, which: Ints) -> Joints:
         """Some of them, as often as they are named."""
-        one, other = self.one[which], self.other[which]
-        return Joints(self.before[which], self.after[which], one, other, self.reach[which])
+        return Joints(self.before[which], self.after[which], self.one[which], self.other[which])
 
 
 class _Corners(NamedTuple):
@@ -204,7 +224,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
     corner = leaves.common((joints.before + joints.after) / 2, joints.one, joints.other)
     if len(leaves.walls):  # a line may end upright at a wall
         ends = np.isin(joints.one, leaves.walls) | np.isin(joints.other, leaves.walls)
-        holds = _near(joints, corner)
+        holds = _near(joints, corner, cell)
         rest = np.flatnonzero(~ends)
         holds[rest] = _holds(leaves, joints.take(rest), corner[rest], cell)
         return corner, holds
@@ -213,7 +233,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
 
 def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> Flags:
     return (
-        _near(joints, corner)
+        _near(joints, corner, cell)
         & leaves.meet(corner, joints.one, joints.other, cell)
         & _bounds(leaves, joints.before, corner, joints.one, cell)
         & _bounds(leaves, corner, joints.after, joints.other, cell)
@@ -223,7 +243,7 @@ def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
     first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
-    holds = _near(joints, first) & _near(joints, second)
+    holds = _near(joints, first, cell) & _near(joints, second, cell)
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
     holds[near] = (
@@ -236,8 +256,8 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     return np.stack([first, second], axis=1), holds
 
 
-def _near(joints: Joints, points: Floats) -> Flags:
-    near: Flags = np.linalg.norm(points - joints.before, axis=1) <= joints.reach
+def _near(joints: Joints, points: Floats, cell: float) -> Flags:
+    near: Flags = np.linalg.norm(points - joints.before, axis=1) <= REACH * cell
     return near
 
 

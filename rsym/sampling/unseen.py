@@ -20,7 +20,7 @@ from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
 PARTS = 8  # of the side of a cell that is looked at
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
-TRIES = 4  # to cut larger cells too where lines of smaller ones do not go on
+TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
 UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides are whole
 _TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
@@ -85,7 +85,7 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
         return SeenLines(plain, examined=False)
     cells = _on_lattice(open_cells, signs > 0)
     forced, loose = [np.empty((0, 2), np.int64)] * DEPTH, np.empty((0, 2), np.int64)
-    for _ in range(TRIES):
+    for attempt in range(TRIES):
         small, cut, unseen, place, size = _descended(leaves, lattice, cells, forced)
         if small is None:
             return SeenLines(plain)
@@ -95,7 +95,7 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
         loose = _loose(every, lattice)
         if not len(loose):
             break
-        forced = [np.concatenate([old, _larger(loose, depth)]) for depth, old in enumerate(forced)]
+        forced = [np.concatenate([old, _larger(loose, depth, 2**attempt)]) for depth, old in enumerate(forced)]
     lines = [line / UNIT for line in lines_through(every.sides, every.high)]
     if len(loose) and not unseen:
         unseen, place, size = len(loose), lattice.points(loose[0] / UNIT), max(lattice.spacing) / PARTS**DEPTH
@@ -143,13 +143,13 @@ def _loose(cells: _Cells, lattice: Lattice) -> Ints:
     return np.asarray(sides[(counts != 1).any(axis=0) & ((sides > 0) & (sides < end)).all(axis=1)])
 
 
-def _larger(middles: Ints, depth: int) -> Ints:
-    """The cells of a depth at sides with these middles, if they are larger than the sides."""
+def _larger(middles: Ints, depth: int, reach: int) -> Ints:
+    """The cells of a depth so many cells around sides with these middles, if they are larger than the sides."""
     either = middles[:, 0] | middles[:, 1]
     size = UNIT // PARTS**depth
     own = middles[2 * (either & -either) < size]
-    around = own[:, None] + np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
-    return np.unique(around.reshape(-1, 2) // size, axis=0)
+    around = np.indices((2 * reach + 1, 2 * reach + 1)).reshape(2, -1).T - reach
+    return np.unique((np.unique(own // size, axis=0)[:, None] + around).reshape(-1, 2), axis=0)
 
 
 def edges_of(index: Floats) -> tuple[Floats, Floats]:
@@ -249,8 +249,7 @@ def _look_at(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, 
     known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
     unseen = np.asarray((_hidden(high, cells) | _doubtful(leaves, lattice, cells, high, wild)) & known & wild)
-    mixed = np.asarray(high.any(axis=(1, 2)) & ~high.all(axis=(1, 2)))
-    unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen], np.where(mixed[unseen], 2.0, REACH))
+    unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
     cut = np.asarray(_grown(unseen, cells.first))
     must = _number(cells.first, forced)
     cut[must[must >= 0]] = True
@@ -284,7 +283,7 @@ def _wild(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells) -> Flags:
     return wild
 
 
-def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints, reach: Floats) -> Flags:
+def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
     """Which cells have within so many cells a corner where the two leaves that alone matter in them cross.
 
     No samples show the tip of a sharp one.
@@ -295,7 +294,7 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints, reach: Floats) -> 
     corner = leaves.common(middle, one[own], other[own])
     cell = min(lattice.spacing)
     holds = leaves.meet(corner, one[own], other[own], cell) | np.isin([one[own], other[own]], leaves.walls).any(axis=0)
-    tips[own] = (np.hypot(*(corner - middle).T) <= reach[own] * cell) & holds
+    tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & holds
     return tips
 
 
