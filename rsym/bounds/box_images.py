@@ -106,7 +106,9 @@ def _atan2(b: Builder, node: Node, operands: Sequence[Interval], turning: bool =
         opposite = (negative(b, side) for side in operands)
         around = corners(b, lambda *ends: b.make("atan2", *ends), *opposite, error=ELEMENTARY)
         beyond = total(b, constant(b, "pi"), around)
-        ends = Interval(*(b.select(zero, v.upper, own, cut) for own, cut in zip(beyond[:2], ends[:2], strict=True)))
+        ends = Interval(
+            b.select(zero, v.upper, beyond.lower, ends.lower), b.select(zero, v.upper, beyond.upper, ends.upper)
+        )
 
     def unless_cut(end: int, extreme: int) -> int:
         right = b.select(v.lower, zero, end, extreme)

@@ -58,6 +58,13 @@ def with_part(shape: S, name: str, other: Equation) -> S:
     """
     require_shape(other)
     old = _group(shape, name)
+    twins = list(dict.fromkeys(title for title, part in shape.parts if title != name and part in old))
+    if twins and _uses(shape.expression, old) > 1:
+        raise RsymError(
+            f"{name!r} has the same formula as {listing(twins)}, which stands in several places: both would change",
+            code="part",
+            remedy="build the shape of parts that differ where one of them is to change",
+        )
     swap = _Swap(old, other.expression, shape.expression)
     expression = swap.within(shape.expression)
     if lost := [part for part in old if part not in swap.found]:
@@ -123,6 +130,12 @@ def _operands(part: sp.Expr) -> tuple[sp.Expr, ...]:
         return part.operands
     negated = part.is_Mul and len(part.args) == 2 and part.args[0].is_number
     return tuple(part.args) if negated or part.is_Add or _is_of_shapes(part) else ()
+
+
+def _uses(whole: sp.Expr, formulas: Sequence[sp.Expr]) -> int:
+    """How often some formulas are operands in another one, signs apart."""
+    images = {image for formula in formulas for image in (formula, -formula)}
+    return sum(operand in images for part in set(postorder(whole)) for operand in _operands(part))
 
 
 def _is_of_shapes(part: sp.Expr) -> bool:

@@ -109,8 +109,9 @@ class Shape(NoNumber, Movable):
         Raises
         ------
         RsymError
-            For a name that no part has, for a part that the formula moves or bends, or that SymPy has merged with
-            what surrounds it, for what is no shape or one in other coordinates.
+            For a name that no part has, for a part whose formula is that of another one elsewhere, that the formula
+            moves or bends, or that SymPy has merged with what surrounds it, for what is no shape or one in other
+            coordinates.
 
         Examples
         --------

@@ -12,9 +12,13 @@ from rsym.output.shading import linear
 from rsym.sampling.mesh import Mesh
 
 # Paul Tol's "light" scheme and the darker colours of his "muted" one: told apart with each kind of colour vision.
+# Behind them, one after the other, the colour that is farthest from all before in Oklab, as it is seen and with the
+# cones of one kind missing (Machado, Oliveira and Fernandes, 2009); a car has twenty names.
 PALETTE = (
     *("#77aadd", "#ee8866", "#44bb99", "#ffaabb", "#aaaa00", "#eedd88", "#99ddff", "#bbcc33", "#dddddd"),
     *("#aa4499", "#117733", "#cc6677", "#332288", "#999933", "#882255"),
+    *("#0077dd", "#664400", "#5544bb", "#9988ff", "#cc3333", "#7788aa", "#554477", "#660066", "#666666", "#22ccff"),
+    *("#7766bb", "#99ffbb", "#773399"),
 )
 
 

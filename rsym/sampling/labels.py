@@ -18,7 +18,7 @@ from rsym.arrays import Flags, Floats, Integers, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.errors import RsymError
 from rsym.logic.faces import BETWEEN, Faces, shape_faces
-from rsym.logic.leaf_names import face_names
+from rsym.logic.leaf_names import face_names, shape_leaf_names
 from rsym.logic.sign_form import shape_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
@@ -130,6 +130,26 @@ class Labeller:
         with np.errstate(all="ignore"):
             away = np.nan_to_num(np.abs(value) / np.sqrt(np.einsum("kin,kin->kn", gradient, gradient)), nan=np.inf)
         return self(points, away.argmin(axis=0))
+
+    def there(self, title: str, points: Floats, within: float) -> str:
+        """What the leaves of a title are called where they pass points (n, dim), to a distance `within`.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> pair = rsym.rectangle(2, 1).named("A") | rsym.rectangle(2, 1).translate(3, 0).named("B")
+        >>> Labeller(pair).there("A / B", np.array([[-1, 0.5], [1, 0.5]]), 1e-9)
+        'A'
+        """
+        if BETWEEN not in title:
+            return title
+        value, gradient = self._values(points)
+        names: dict[str, None] = {}
+        for leaf in (leaf for leaf, name in enumerate(shape_leaf_names(self.shape)) if name == title):
+            some = points[np.abs(value[leaf]) <= within * np.linalg.norm(gradient[leaf], axis=0)]
+            names.update(dict.fromkeys(self(some, np.full(len(some), leaf)).each.tolist()))
+        single = {name for one in names for name in one.split(BETWEEN)}
+        return BETWEEN.join(name for name in title.split(BETWEEN) if name in single) or title
 
     def leaves(self, points: Floats, leaf: Integers) -> Ints:
         """The leaves (n,) that bound the body at points: those that were found, or one of the same place."""

@@ -88,7 +88,7 @@ class SharpMesher:
         crew = Crew(_threads(), request.progress)
         surface = self._surface(job, request, crew)
         if not len(surface.faces):
-            missed = self._suspects(surface.notes, surface.blocks, job)
+            missed = self._suspects(surface.notes, surface.blocks, job, request.letters)
             raise _no_surface(missed, "" if missed else where_it_lies(self.shape, request.letters))
         crew.stage(50, loops=20)
         triangles = finish(job.kernels, surface, job.lattice, crew)
@@ -108,11 +108,9 @@ class SharpMesher:
         key = key_of(job, self.shape.letters.values_with(request.letters), box)
         made = stream(job, request.into, key, crew, _threads(), memory)
         if made is None:
-            missed = self._suspects(job.notes(job.blocks(crew, Budget()), crew), None, job)
+            missed = self._suspects(job.notes(job.blocks(crew, Budget()), crew), None, job, request.letters)
             raise _no_surface(missed, "" if missed else where_it_lies(self.shape, request.letters))
-        missed = suspects(
-            CompiledLeaves(job.kernels), job.lattice, made.unresolved, self.leaves if len(made.unresolved) else ()
-        )
+        missed = self._suspects((made.unresolved,), None, job, request.letters)
         sides = sides_of([symbol.name for symbol in self.shape.coordinates], box)
         first = len(self.form.leaves) - self.form.caps
         status = FileStatus(
@@ -179,7 +177,7 @@ class SharpMesher:
         if clipped and not request.cap:
             triangles = triangles.some(triangles.leaf < first)
         known = Findings(clipped_at=clipped, capped=request.cap, sides=sides, resolution=request.resolution)
-        find = partial(self._findings, known, triangles.vertices, surface.notes, surface.blocks, job)
+        find = partial(self._findings, known, triangles.vertices, surface.notes, surface.blocks, job, request.letters)
         return Mesh(
             triangles.vertices,
             triangles.faces,
@@ -196,16 +194,34 @@ class SharpMesher:
         return Labeller(self.shape, letters, self.leaves[first:])(points, self._origins[leaf])
 
     def _findings(
-        self, known: Findings, vertices: Floats, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job
+        self,
+        known: Findings,
+        vertices: Floats,
+        notes: tuple[Unresolved, ...],
+        blocks: Blocks | None,
+        job: Job,
+        letters: Mapping[Any, float] | None,
     ) -> Findings:
         """What is known, and what only a second look at the lattice and the vertices tells."""
         strays = stray_vertices(job.kernels, vertices, job.lattice, _threads())
-        return replace(known, off_surface=strays, unresolved=self._suspects(notes, blocks, job))
+        return replace(known, off_surface=strays, unresolved=self._suspects(notes, blocks, job, letters))
 
-    def _suspects(self, notes: tuple[Unresolved, ...], blocks: Blocks | None, job: Job) -> tuple[Suspect, ...]:
+    def _suspects(
+        self,
+        notes: tuple[Unresolved, ...],
+        blocks: Blocks | None,
+        job: Job,
+        letters: Mapping[Any, float] | None,
+    ) -> tuple[Suspect, ...]:
         """What the lattice may have missed."""
         unresolved = joined(notes if blocks is None else job.notes(blocks, Crew(_threads())))
-        return suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
+        found = suspects(CompiledLeaves(job.kernels), job.lattice, unresolved, self.leaves if len(unresolved) else ())
+        labeller, cell = Labeller(self.shape, letters), float(job.lattice[3:].max())
+
+        def called(one: Suspect) -> tuple[str, ...]:
+            return tuple(labeller.there(name, np.array([one.place]), one.thickness * cell) for name in one.names)
+
+        return tuple(replace(one, names=called(one)) for one in found)
 
 
 def _unresolved(region: Regions, kernels: MesherKernels, blocks: Blocks, lattice: Floats, pool: Executor) -> Unresolved:

@@ -7,16 +7,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
+from typing import TypeVar
 
 import numpy as np
 
 from rsym.arrays import Floats
+from rsym.logic.faces import BETWEEN
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.sign_form import SignForm
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
 from rsym.program.program import live
+from rsym.sampling.labels import Labeller
 from rsym.sampling.progress import Effort
 from rsym.verify.answers.account import audited, distinct, missing
 from rsym.verify.answers.body_report import BodyCover, BodyReport
@@ -106,7 +109,8 @@ def _subject(shape: Shape, region: Box, letters: Mapping[str, Interval], effort:
     formed = formation(model, lambda number: is_legal(whole, number))
     images = Images(model, formed, letters)
     region = (*region, *((float(low), float(high)) for low, high in images.ranges))
-    naming = Naming(shape, model.builder, formed.definitions, formed.origins)
+    values = {name: float(low) for name, (low, _) in model.letters.items()}
+    naming = Naming(shape, model.builder, formed.definitions, formed.origins, values)
     return Study(images, region, Subdivision(), naming, effort)
 
 
@@ -142,7 +146,8 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     # Of breaks one point stands for all that lie on one curve.
     located = [*(point for _, point in corners), *(pairs[0][1] for pairs in found.broken.values()), *classified.points]
     points = distinct(located, badness, SAME * study.extent)
-    curves = [*curves, *classified.curves]
+    curves = [study.naming.there(curve) for curve in (*curves, *classified.curves)]
+    points = [study.naming.there(one) for one in points]
     found = found.with_late(classified.regular, classified.corners)
     everything: list[Defect] = [*curves, *points]
     if not any(one.proved and is_defect(one) for one in everything):
@@ -264,7 +269,8 @@ def _repeated(study: Study) -> tuple[tuple[str, bool], ...]:
 
 # What the sheets of a boundary are called: by the definitions that they come from.
 NUMBERED = "leaf "  # a definition without a name whose formula is too long to be one
-BETWEEN = " / "  # what stands between the names of definitions that have a face in common
+D = TypeVar("D", SingularCurve, SingularPoint)
+ON_LEAF = 1e-9  # as a share of the largest coordinate
 
 
 class Naming:
@@ -284,9 +290,15 @@ class Naming:
     """
 
     def __init__(
-        self, shape: Shape, builder: Builder, definitions: Sequence[int], origins: Mapping[int, Sequence[int]]
+        self,
+        shape: Shape,
+        builder: Builder,
+        definitions: Sequence[int],
+        origins: Mapping[int, Sequence[int]],
+        letters: Mapping[str, float] | None = None,
     ) -> None:
         self._builder = builder
+        self._labeller = Labeller(shape, letters)
         names = leaf_names(SignForm(builder, tuple(definitions), ()), shape)
         if len(names) == 1 and names[0].startswith(NUMBERED):
             names = ("omega",)
@@ -304,3 +316,12 @@ class Naming:
         shares = {one: len(own & parts) / len(own | parts) for one, parts in self._parts.items()}
         self._names[node] = name = self._names[max(shares, key=lambda one: (shares[one], -one))]
         return name
+
+    def there(self, defect: D) -> D:
+        """A curve or a point that names of what several parts share only those with a face there."""
+        places = np.atleast_2d(defect.points if isinstance(defect, SingularCurve) else defect.point)
+        within = max(defect.radius, ON_LEAF * float(np.abs(places).max()))
+        names = [self._labeller.there(name, places, within) for name in defect.names]
+        if isinstance(defect, SingularCurve):
+            return replace(defect, names=(names[0], names[1]))
+        return replace(defect, names=tuple(dict.fromkeys(names)))

@@ -186,3 +186,9 @@ def test_meshes_and_pictures_call_the_new_part_by_the_old_name():
     changed = (ball | post).with_part("post", rsym.box(4, 1, 1).named("bar"))
     mesh = rsym.mesh(changed, 16)
     assert {mesh.leaves[number] for number in np.unique(mesh.leaf)} == {"ball", "post"}
+
+
+def test_of_parts_of_one_formula_neither_is_changed_for_the_other():
+    left, right = disc(0).named("left") & Shape(-x, (x, y)), disc(0).named("right") & Shape(x, (x, y))
+    with pytest.raises(RsymError, match="same formula as right"):
+        (left | right).with_part("left", disc(1))

@@ -12,7 +12,7 @@ from sampling.test_features import cube
 import rsym
 from rsym import RsymError
 from rsym.output.paints import Spots, coat_of
-from rsym.output.parts import PALETTE, face_colours, part_colours
+from rsym.output.parts import PALETTE, colours_of, face_colours, part_colours
 from rsym.output.shading import INSIDE, linear
 from rsym.sampling.mesh import Mesh
 
@@ -37,6 +37,19 @@ def test_each_part_on_the_surface_has_its_own_colour_in_the_order_of_the_leaves(
         assert_close(face_colours(mesh)[leaf == number], np.tile(linear(colours[name]), (8, 1)), atol=1e-15)
     less = Mesh(vertices, faces[leaf > 1], leaf=leaf[leaf > 1], leaves=SIDES)
     assert part_colours(less) == {name: colours[name] for name in ("front", "back", "lid")}
+
+
+def test_as_many_parts_as_a_car_has_names_have_as_many_colours():
+    """No two closer in Oklab than the closest that are in print, 0.06."""
+    colours = list(colours_of([f"part {k}" for k in range(28)], range(28), []).values())
+    mixed = np.array([linear(colour) for colour in colours]) @ np.transpose(
+        [[0.4122, 0.5363, 0.0514], [0.2119, 0.6807, 0.1074], [0.0883, 0.2817, 0.6300]]
+    )
+    seen = np.cbrt(mixed) @ np.transpose(
+        [[0.2105, 0.7936, -0.0041], [1.9780, -2.4286, 0.4506], [0.0259, 0.7828, -0.8087]]
+    )
+    apart = np.linalg.norm(seen[:, None] - seen, axis=2)
+    assert apart[np.triu_indices(28, 1)].min() > 0.06
 
 
 def test_more_parts_than_colours_share_them_but_not_where_they_meet():

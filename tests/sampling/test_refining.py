@@ -81,3 +81,16 @@ def test_the_car_is_five_pieces():
     with pytest.warns(RsymWarning, match="taper"):  # no resolution resolves these
         found = rsym.mesh(rsym.load("car"), "auto").status
     assert (found.components, found.euler_characteristic, found.closed, found.finer) == (5, 0, True, None)
+
+
+def test_a_gap_is_called_by_those_beside_it(tmp_path):
+    """Three boxes with two gaps on planes that are one leaf twice, as x and 1 - x are of A and of C."""
+    left, right = rsym.box(1, 1, 1).named("left"), rsym.box(1, 1, 1, (1.01, 0, 0)).named("right")
+    far = rsym.box(1, 1, 1, (0, 0, 3)).named("far")
+    with pytest.warns(RsymWarning, match="gap"):
+        found = rsym.mesh(left | right | far, 64)
+    with pytest.warns(RsymWarning, match="gap"):
+        streamed = rsym.mesh(left | right | far, 64, into=tmp_path / "boxes.ply")
+    (gap,) = (one for one in found.status.unresolved if one.kind == "gap")
+    assert set(gap.names) == {"left", "right"}
+    assert [one.names for one in streamed.status.unresolved] == [one.names for one in found.status.unresolved]

@@ -245,3 +245,13 @@ def test_planted_defects_are_never_certified(number):
 
 def _quickly(expression):
     return report_body(studied_in_space(random_bodies.body_of(expression)), sharpened=False)
+
+
+def test_edges_are_called_by_the_parts_that_have_them():
+    """Two boxes of one height have lids on one leaf; no edge of one is an edge of the other."""
+    pair = rsym.box(2, 2, 1).named("A") | rsym.box(2, 2, 1, (4, 0, 0)).named("B")
+    report = rsym.verify_smoothness(pair)
+    assert len(report.curves) == 24
+    for curve in report.curves:
+        assert curve.names == (("A", "A") if curve.points[:, 0].max() < 2 else ("B", "B"))
+    assert {one.names for one in report.points} == {("A",), ("B",)}
