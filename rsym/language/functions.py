@@ -7,6 +7,7 @@ shape made in Python: ``RpConjunction(4, f, g)``, ``Scaled(f, k)``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
@@ -27,6 +28,7 @@ from rsym.model.nodes import Ahead, Fold, Held, Scaled, Trimming, ZeroWith
 from rsym.model.operations import difference, equivalence, exclusive_or, implication, joining
 from rsym.model.primitives import curve_nodes
 from rsym.model.primitives.helical import Anomaly
+from rsym.model.symbols import real_symbol
 from rsym.model.symmetry import waves
 from rsym.model.systems import R0, R1, R0m, RAlpha, Rp, RSystem
 
@@ -56,6 +58,33 @@ def written_system(system: RSystem) -> str:
         (word, system.parameters[0]) for word, (family, _) in FAMILIES.items() if family is type(system)
     )
     return f"{word} {float(parameter)!r}" if parameter.is_Float else f"{word} {parameter}"
+
+
+def named_system(text: Any, letters: Mapping[str, Any]) -> RSystem:
+    """The system that a model file names so, its parameter a number or a letter.
+
+    Raises
+    ------
+    RsymError
+        For what is no name of a system, or a parameter out of its range.
+
+    Examples
+    --------
+    >>> named_system("Rho 1/2", {}), named_system("R1", {})
+    (Rho(radius=1/2, continuity='G1', cosine=0, coefficient=None), ROne())
+    """
+    word, *rest = text.split() if isinstance(text, str) else [""]
+    known = [f'"{one}"' for one in SYSTEMS] + [f'"{one} {example}"' for one, (_, example) in FAMILIES.items()]
+    if word in SYSTEMS and not rest:
+        return SYSTEMS[word]
+    if word in FAMILIES and len(rest) == 1:
+        family, (parameter,) = FAMILIES[word][0], rest
+        if parameter in letters:
+            family(letters[parameter].default)
+            return family(real_symbol(parameter))
+        with suppress(ValueError, ZeroDivisionError):
+            return family(sp.Rational(Fraction(parameter)))
+    raise RsymError(f"no R-system {text!r}", code="unknown-system", remedy=f"the systems are {', '.join(known)}")
 
 
 @dataclass(frozen=True)

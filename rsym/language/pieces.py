@@ -19,6 +19,7 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.language.building import Built
+from rsym.language.functions import named_system
 from rsym.language.syntax import Call
 from rsym.model.letters import Letter
 from rsym.model.nodes import RealNode
@@ -29,7 +30,8 @@ from rsym.model.systems import RSystem
 # What a formula grows with.
 _MOST = {**dict.fromkeys(("order", "sides", "count", "counts", "starts"), 400), "terms": 100}
 # Given by the model as a whole, not by a call.
-_FROM_THE_MODEL = ("letters", "system", "bounds", "coordinates")
+_FROM_THE_MODEL = ("letters", "bounds", "coordinates")
+_ANY_NUMBER = ("polyline", "graph")  # whose order need not be a whole number, so that it may be a letter
 
 
 @dataclass(frozen=True)
@@ -149,9 +151,12 @@ class Calls:
         given = [self._argument(part) for part in parts]
         first = len(given) - len(node.keywords)
         bound = _bound(piece, node, given[:first], dict(zip(node.keywords, given[first:], strict=True)))
+        self._decide(piece, bound)
         _check_switches(piece, node, bound)
         _check_counts(piece, node, bound)
         try:
+            if "system" in bound.arguments:
+                bound.arguments["system"] = named_system(bound.arguments["system"], self._known)
             made = self._made(piece, bound)
         except RsymError as error:
             raise node.place.refuse(f"{node.function}: {error.message}", error.code, error.remedy) from None
@@ -167,12 +172,31 @@ class Calls:
         expression = substitute(expression, self._names(back=True))
         return expression
 
+    @property
+    def _known(self) -> dict[str, Letter]:
+        """The letters as pieces know them."""
+        return {_apart(name): letter for name, letter in self.letters.items()}
+
+    def _decide(self, piece: PieceRow, bound: inspect.BoundArguments) -> None:
+        """Where a whole number stands, letters count with their defaults: they decide how long the formula is."""
+        values = {real_symbol(name): sp.sympify(letter.default) for name, letter in self._known.items()}
+
+        def decided(value: Any) -> Any:
+            if isinstance(value, tuple):
+                return tuple(map(decided, value))
+            found = substitute(value, values) if isinstance(value, sp.Expr) else value
+            return int(found) if isinstance(found, sp.Integer) else value
+
+        for name in piece.most if piece.name not in _ANY_NUMBER else ():
+            if name in bound.arguments:
+                bound.arguments[name] = decided(bound.arguments[name])
+
     def _made(self, piece: PieceRow, bound: inspect.BoundArguments) -> Shape | sp.Expr:
         """The shape; formulas without the third coordinate may be plane shapes, if they do not fit as bodies."""
         rest, named = _given(piece, bound)
-        letters = {_apart(name): letter for name, letter in self.letters.items()}
+        letters = self._known
         given = {"letters": letters, "system": self.system}
-        shared = {name: value for name, value in given.items() if piece.takes(name)}
+        shared = {name: value for name, value in given.items() if piece.takes(name) and name not in named}
 
         def made(dimension: int) -> Shape | sp.Expr:
             shapes = [Shape(value, (x, y, z)[:dimension], letters=letters) for value in bound.args[: piece.shapes]]

@@ -288,3 +288,32 @@ def test_a_call_is_shown_as_it_stands():
     shown = rsym.loads("letter r = 2; f = disc(r, exact = 1); omega = cyclic(f, 6, radius = 2*r)").definitions
     assert [str(value) for _, value in shown] == ["disc(r, exact = 1)", "cyclic(f, 6, radius = 2*r)"]
     assert r"\mathrm{radius} = 2 r" in rsym.loads("letter r = 2; omega = cyclic(x, 6, radius = 2*r)")._repr_latex_()
+
+
+def test_a_call_names_a_system_of_its_own():
+    made = rsym.loads('letter r = 0.5; system Rp 4; f = box(6, 4, 2, system = "Rho r"); omega = rfAND(f, x)')
+    r = sp.Symbol("r", real=True)
+    round_box = rsym.box(6, 4, 2, system=rsym.Rho(r), letters={r: HALF})
+    assert made.expression == rsym.conjunction(round_box.expression, x, system=rsym.Rp(4))
+    assert (
+        rsym.loads('omega = rectangle(2, 1, system = "R1")').expression
+        == rsym.rectangle(2, 1, system=rsym.R1).expression
+    )
+    for text in ('"Foo"', "3", '"Rho"', '"Rho -1"', '"Rp q"', '"R1 2"'):
+        with pytest.raises(RsymError, match="line 1, column 9: box: "):
+            rsym.loads(f"omega = box(1, 1, 1, system = {text})")
+
+
+def test_a_letter_may_stand_for_a_whole_number():
+    """It counts with its default, and is no letter of the shape any more: nothing that is changed later is ignored."""
+    for text, python in (
+        ("regular_polygon(n)", rsym.regular_polygon(6)),
+        ("row(disc(1), 3, count = n + 1)", rsym.row(rsym.disc(1), 3, count=7)),
+        ("grid(disc(1), [3, 4], counts = [n, 2])", rsym.grid(rsym.disc(1), (3, 4), counts=(6, 2))),
+    ):
+        made = rsym.loads(f"letter n = 6; omega = {text}")
+        assert (made.expression, dict(made.letters)) == (python.expression, {})
+    with pytest.raises(RsymError, match="the number of sides must be an integer"):
+        rsym.loads("letter n = 2.5; omega = regular_polygon(n)")
+    with pytest.raises(RsymError, match="400 is the most"):
+        rsym.loads("letter n = 900; omega = regular_polygon(n)")
