@@ -2,8 +2,8 @@
 
 In comes a shape with bounds and letters; out goes a report: a verdict, places and sentences, each proved or not.
 
-1. What is asked: `smoothness` and `threshold`, for which `revolution`, `cleaning` and `cells` write the formula so that
-   boxes can decide it. Beside it normalisation/ and, of given curves, continuity/.
+1. What is asked: `smoothness` and `threshold`, for which `revolution`, `cleaning`, `angles` and `cells` write the
+   formula so that boxes can decide it. Beside it normalisation/ and, of given curves, continuity/.
 2. boxes/ says what one box holds, points/ what a point is, curves/ where sheets meet; cover/ asks them of all boxes.
 3. `plane` and `bodies` put together what was found; `everywhere` and `fibres` speak of letters that range in space,
    `holes` of where denominators vanish.

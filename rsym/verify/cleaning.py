@@ -8,6 +8,7 @@
 - Powers of a modulus become nodes with derivatives of their own: |x|**(5/2), x**2*|x| = |x|**3, and so on;
   written as products their derivatives are quotients by |x|, without a bound on a box around x = 0.
 - A positive quadratic form under a root becomes a sum of squares.
+- Angles fold: 1 - cos(u) = 2 sin(u/2)**2 under a root, asin(sin(u)) = atan2(sin(u), |cos(u)|), and so on.
 
 Nothing else. Every rule is an identity of real functions, also of where they are defined.
 """
@@ -23,6 +24,7 @@ from rsym.model.nodes import Trimming, expand_nodes
 from rsym.model.powers import absolute_power, signed_power
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, R1Operation
 from rsym.model.symbols import postorder, rebuild
+from rsym.verify.angles import root_of_angles, unfolded
 from rsym.verify.boxes.polynomials import sum_of_squares
 
 ROUNDS = 3  # a rule may make room for another one
@@ -118,8 +120,10 @@ def _recognised(part: sp.Basic) -> sp.Basic | None:
 
 
 def _freed(part: sp.Basic) -> sp.Basic | None:
+    if isinstance(part, sp.asin | sp.acos):
+        return unfolded(part)
     if isinstance(part, sp.Pow) and isinstance(part.exp, sp.Rational) and part.exp.q == 2:
-        return _root_without_squares(part) or _root_of_squares(part)
+        return _root_without_squares(part) or _root_of_squares(part) or root_of_angles(part)
     return _modulus_without_squares(part) if isinstance(part, sp.Abs) else None
 
 

@@ -127,3 +127,87 @@ def test_a_part_smaller_than_the_boxes_is_divided_until_it_is_seen(part, verdict
     assert report.verdict == verdict
     if verdict == "CERTIFIED":
         assert not len(report.undecided)
+
+
+FOLDS = {
+    "asin sin": (sp.asin(sp.sin(x)), 90.0),
+    "acos cos": (sp.acos(sp.cos(x)), 90.0),
+    "acos sin, turned": (sp.acos(sp.sin(x + 1)), 90.0),
+    "asin cos at irrational places": (sp.asin(sp.cos(sp.sqrt(2) * x)), 2 * math.degrees(math.atan(math.sqrt(2)))),
+    "sqrt(1 - cos)": (sp.sqrt(1 - sp.cos(x)), 2 * math.degrees(math.atan(math.sqrt(0.5)))),
+    "sqrt(1 + sin)": (sp.sqrt(1 + sp.sin(x)), 2 * math.degrees(math.atan(math.sqrt(0.5)))),
+    "sqrt(1 - cos**2)": (sp.sqrt(1 - sp.cos(x) ** 2), 90.0),
+}
+
+
+@pytest.mark.parametrize(("height", "turn"), FOLDS.values(), ids=list(FOLDS))
+def test_a_fold_of_an_angle_is_a_corner(height, turn):
+    report = rsym.verify_smoothness(rsym.Shape(y - height, (x, y), bounds=((-4, 5), (-4, 5))))
+    assert (report.verdict, report.continuity) == ("REFUTED", "G0")
+    assert report.defects[0].proved
+    assert report.defects[0].tangent_jump == pytest.approx(turn, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("height", "continuity"),
+    [
+        (sp.asin(sp.Rational(99, 100) * sp.sin(x)), "analytic"),
+        (sp.sqrt(sp.Rational(101, 100) - sp.cos(x)), "analytic"),
+        (sp.sqrt(1 - sp.cos(x)) ** 3, "G2"),
+        (sp.sqrt(1 - sp.cos(x)) ** 2, "analytic"),
+    ],
+)
+def test_what_only_nearly_folds_is_smooth(height, continuity):
+    report = rsym.verify_smoothness(rsym.Shape(y - height, (x, y), bounds=((-4, 5), (-4, 5))))
+    assert (report.verdict, report.continuity) == ("CERTIFIED", continuity)
+
+
+def test_a_root_of_a_valley_is_a_corner():
+    report = rsym.verify_smoothness(rsym.Shape(y - sp.acos(1 - x**2 / 2), (x, y), bounds=((-1, 1), (-1, 1))))
+    assert (report.verdict, report.defects[0].kind, report.defects[0].proved) == ("REFUTED", "corner", True)
+    assert report.defects[0].tangent_jump == pytest.approx(90, abs=1e-9)
+
+
+def test_a_root_that_is_defined_at_points_alone_stays_one():
+    nowhere = rsym.Shape(y - sp.sqrt(sp.cos(x) - 1), (x, y), bounds=((-1, 1), (-1, 1)))
+    assert rsym.verify_smoothness(nowhere, budget=300).verdict in ("UNDECIDED", "DEGENERATE")
+
+
+def test_a_fold_in_space_is_an_edge():
+    fold = rsym.Shape(z - sp.sqrt(1 - sp.cos(sp.sqrt(2) * x + y)), (x, y, z), bounds=((-2, 2),) * 3)
+    report = rsym.verify_smoothness(fold)
+    assert (report.verdict, report.curves[0].kind, report.curves[0].proved) == ("REFUTED", "edge", True)
+
+
+LENGTH = x**2 + y**2
+
+
+@pytest.mark.parametrize(
+    "height",
+    [
+        LENGTH ** sp.Rational(3, 4),
+        LENGTH ** sp.Rational(2, 3),
+        LENGTH ** sp.Rational(3, 4) / 3 - x * y - x**2,
+        sp.sin(LENGTH ** sp.Rational(3, 4)),
+    ],
+)
+def test_powers_of_a_distance_between_one_and_two_bend_without_bound(height):
+    report = rsym.verify_smoothness(rsym.Shape(y - height, (x, y), bounds=((-2, 2), (-2, 2))))
+    assert (report.verdict, report.continuity) == ("REFUTED", "G1")
+    (defect,) = report.defects
+    assert (defect.kind, defect.proved, defect.curvature_jump) == ("unbounded curvature", True, math.inf)
+    assert defect.point == pytest.approx((0, 0), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("height", "verdicts"),
+    [
+        (LENGTH ** sp.Rational(5, 4), {"CERTIFIED"}),
+        ((LENGTH + sp.Rational(1, 1000)) ** sp.Rational(3, 4), {"CERTIFIED"}),
+        (LENGTH ** sp.Rational(3, 4) * x, {"CERTIFIED", "UNDECIDED"}),
+        (LENGTH ** sp.Rational(3, 4) * (1 - sp.cos(x)), {"CERTIFIED", "UNDECIDED"}),
+    ],
+)
+def test_a_power_that_is_smooth_or_has_a_factor_that_vanishes_is_not_refuted(height, verdicts):
+    report = rsym.verify_smoothness(rsym.Shape(y - height, (x, y), bounds=((-1, 1), (-1, 1))))
+    assert report.verdict in verdicts

@@ -17,8 +17,9 @@ differ by 4 N(v) |grad O . v|/(|n| |v|**2).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import sympy as sp
 
@@ -38,6 +39,7 @@ from rsym.verify.boxes.vectors import dot
 
 RADIUS = "the root"  # no letter of a user has a space in its name
 ANALYTIC = math.inf
+GROWS = " grows without bound: the boundary leaves its tangent like a power below 2 of the distance"
 
 
 @dataclass(frozen=True)
@@ -195,36 +197,63 @@ def _orders(
 def curvature_jump(known: Exact, at: Local, leaf: int) -> arb | None:
     """By how much the curvatures of a leaf along opposite tangents differ at a point, if that is more than nothing.
 
-    The leaf and its root must vanish at the point, `at`; None where no jump is proved.
+    The leaf and its root must vanish at the point, `at`; None where no jump is proved. Infinite where curvatures grow
+    without bound: of A + O q**a with 1/2 < a < 1 and O not zero at the point the surface leaves its tangent plane along
+    a tangent v like t**(2 a), by O q(v)**a/|n|, and any C^2 surface like t**2.
     """
     local = known.local
     model, builder, found = local.model, local.model.builder, generators(local, leaf)
-    if len(found.hard) != 1 or root_order(local, leaf) < 2:
+    if len(found.hard) != 1 or root_order(local, leaf) <= 1:
         return None
     (part,) = found.hard
     operation, arguments, _ = builder.nodes[part]
-    if operation != "sqrt" or not known.vanishes(leaf, arguments[0]):
+    if operation not in {"sqrt", "pow"} or not known.vanishes(leaf, arguments[0]):
         return None
     radius, nothing = builder.input(RADIUS), builder.const(0)
     function = put(model, leaf, {part: radius})
     even, odd = (put(model, one, {radius: nothing}) for one in (function, derivative(builder, function, RADIUS)))
     around = Local(model, local.sides)
     around.inputs[RADIUS] = arb(0, 1) * _largest(local, part)
-    if not generators(around, function).analytic or not known.vanishes(odd):
+    if not generators(around, function).analytic:
         return None
-    normal, slope = at.gradient(even), at.gradient(odd)
+    normal = at.gradient(even)
     size = dot(normal, normal)
     if not size > 0:
         return None
-    along = [one - dot(slope, normal) / size * n for one, n in zip(slope, normal, strict=True)]
     rows = [at.gradient(first) for first in model.gradient(arguments[0])]
+    if operation == "pow":
+        value = at.value(odd)
+        steep = 1 < _exponent(builder, part) < 2 and value is not None and not value.contains(0)
+        leaves = steep and any(dot(v, [dot(row, v) for row in rows]) > 0 for v in tangents(normal))
+        return arb(math.inf) if leaves else None
+    slope = at.gradient(odd)
+    if root_order(local, leaf) < 2 or not known.vanishes(odd):
+        return None
+    along = [one - dot(slope, normal) / size * n for one, n in zip(slope, normal, strict=True)]
     square = dot(along, [dot(row, along) for row in rows]) / 2
     if not square > 0 or not dot(along, along) > 0:
         return None
     return 4 * square.sqrt() / size.sqrt()
 
 
+def tangents(normal: Sequence[arb]) -> list[list[arb]]:
+    """Vectors at right angles to a normal, among them all that two of its components make.
+
+    Examples
+    --------
+    >>> [[float(part) for part in vector] for vector in tangents([arb(3), arb(4)])]
+    [[-4.0, 3.0]]
+    """
+    found = []
+    for i, j in combinations(range(len(normal)), 2):
+        vector = [arb(0)] * len(normal)
+        vector[i], vector[j] = -normal[j], normal[i]
+        found.append(vector)
+    return found
+
+
 def _largest(local: Local, part: int) -> arb:
+    """No more than the root or the power of a form is on a box, by its radicand."""
     square = local.value(local.model.builder.nodes[part].arguments[0])
     largest = None if square is None else root(square)
-    return arb(0, math.inf) if largest is None else arb(largest.upper())
+    return arb(0, math.inf) if largest is None else arb(largest.upper()) ** arb(_exponent(local.model.builder, part))

@@ -23,7 +23,7 @@ from rsym.logic.kleene import ternary
 from rsym.verify.answers.singular import SingularPoint
 from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISE, Local, Model
-from rsym.verify.boxes.root_classes import curvature_jump
+from rsym.verify.boxes.root_classes import GROWS, curvature_jump
 from rsym.verify.boxes.sheets import Sheets, sheets
 from rsym.verify.boxes.vectors import determinant, error, floats, radius_of, sign_of
 from rsym.verify.points.candidates import across
@@ -106,6 +106,9 @@ def _of_root(place: ZeroPlace, known: Known, found: Sheets | None, names: Names 
     jump = curvature_jump(known, known.at, found.leaves[0])
     if jump is None:
         return None
+    if not jump.is_finite():
+        growing = Judgement("unbounded curvature", "G1", f"the curvature{GROWS}")
+        return _point(place, growing, called_of(found, names), arb(0))
     reason = f"the curvatures along some tangent and its opposite differ by {float(jump.mid()):.4g}"
     return _point(place, Judgement("curvature jump", "G1", reason), called_of(found, names), arb(0))
 

@@ -6,6 +6,7 @@ in it; what none of them decides is described by one-sided limits and called so.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -20,7 +21,7 @@ from rsym.verify.answers.report import Joint
 from rsym.verify.boxes.local import PRECISE, Box, Model
 from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.polynomials import polynomial_of
-from rsym.verify.boxes.root_classes import curvature_jump
+from rsym.verify.boxes.root_classes import GROWS, curvature_jump
 from rsym.verify.boxes.vanishing import exact_at
 from rsym.verify.boxes.vectors import error
 from rsym.verify.points.candidates import systems_in_plane
@@ -143,17 +144,18 @@ def _at_rational(model: Model, locus: Locus, place: ZeroPlace) -> Joint | None:
     if jump is None:
         return None
     x, y = map(float, _fractions(place))
+    grows = not jump.is_finite()
     return Joint(
         (x, y),
         1e-15 * (abs(x) + abs(y)),
-        "curvature jump",
+        "unbounded curvature" if grows else "curvature jump",
         "G1",
         tangent_jump=0.0,
         tangent_jump_error=0.0,
-        curvature_jump=float(jump.mid()),
-        curvature_jump_error=error(jump),
+        curvature_jump=math.inf if grows else float(jump.mid()),
+        curvature_jump_error=0.0 if grows else error(jump),
         proved=True,
-        reason="the curvatures along the tangent and its opposite differ",
+        reason=f"the curvature{GROWS if grows else 's along the tangent and its opposite differ'}",
     )
 
 

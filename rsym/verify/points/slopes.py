@@ -20,7 +20,7 @@ from rsym.bounds.balls import arb, exact, run
 from rsym.program.differentiation import RULES
 from rsym.program.operations import BRANCHING, CHOOSING, HOMOGENEOUS, POWERS, those
 from rsym.verify.boxes.domains import is_defined, is_legal
-from rsym.verify.boxes.generators import is_analytic_at
+from rsym.verify.boxes.generators import generators, is_analytic_at
 from rsym.verify.boxes.local import Local
 from rsym.verify.boxes.locus import chosen
 from rsym.verify.boxes.vanishing import Exact
@@ -173,16 +173,21 @@ def _linear(local: Local, known: Exact, part: int) -> Rule | None:
 
 
 def squares(local: Local, known: Exact, number: int) -> list[tuple[arb, int]] | None:
-    """A node as a sum of c u**2, c > 0 near the point and each u zero at it: pairs of the value of c and u."""
+    """A node as a sum of c u**2 but for higher orders, c > 0 near the point and each u zero at it: pairs of c and u.
+
+    In the place of u = x - p stands the coordinate x, which has the same slope.
+    """
     builder = local.model.builder
     operation, arguments, data = builder.nodes[number]
     if operation == "add":
         parts = [squares(local, known, argument) for argument in arguments]
-        return None if None in parts else [pair for part in parts if part is not None for pair in part]
+        if None in parts:
+            return _valley(local, known, number)
+        return [pair for part in parts if part is not None for pair in part]
     if operation == "powi" and isinstance(data, int) and data % 2 == 0:
         return [(arb(0), arguments[0])] if known.vanishes(arguments[0]) else None
     if operation != "mul":
-        return None
+        return _valley(local, known, number)
     if arguments[0] == arguments[1]:
         return [(arb(1), arguments[0])] if known.vanishes(arguments[0]) else None
     for factor, other in (arguments, arguments[::-1]):
@@ -191,4 +196,20 @@ def squares(local: Local, known: Exact, number: int) -> list[tuple[arb, int]] | 
             found = squares(local, known, other)
             # The factor must be continuous: it is listed with the weight 0, so that a slope of it must be known.
             return None if found is None else [(value * c, u) for c, u in found] + [(arb(0), factor)]
-    return None
+    return _valley(local, known, number)
+
+
+def _valley(local: Local, known: Exact, number: int) -> list[tuple[arb, int]] | None:
+    """An analytic node g of one coordinate x with g = g' = 0 < g'' at the point, and so g > 0 beside it.
+
+    g = c (x - p)**2 + o(|x - p|**2), c = g''/2, and its root has the slope of that of c (x - p)**2.
+    """
+    model = local.model
+    inputs = [part for part in model.order(number) if model.builder.nodes[part].operation == "input"]
+    coordinates = [part for part in inputs if not model.builder.uniform[part]]
+    if len(coordinates) != 1 or not generators(local, number).analytic or not known.vanishes(number):
+        return None
+    axis = model.builder.coordinates.index(str(model.builder.nodes[coordinates[0]].data))
+    slope = model.gradient(number)[axis]
+    bend = local.value(model.gradient(slope)[axis]) if known.vanishes(slope) else None
+    return [(bend / 2, coordinates[0])] if bend is not None and bend > 0 else None
