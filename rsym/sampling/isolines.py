@@ -76,7 +76,7 @@ def lines_through(middles: Ints, high: Flags) -> list[Ints]:
     --------
     >>> square = np.array([[[0, 1], [2, 1], [1, 0], [1, 2]]])
     >>> [line.tolist() for line in lines_through(square, np.array([[False, False, True, True]]))]
-    [[[1, 0], [1, 2]]]
+    [[[1, 2], [1, 0]]]
     """
     case = high @ np.array([1, 2, 4, 8])
     square = np.repeat(np.arange(len(case)), _COUNT[case])

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 
+from rsym.arrays import Floats
+from rsym.backends.kernel import compile
 from rsym.errors import RsymError, RsymWarning, warn
-from rsym.model.shape import Shape
+from rsym.model.shape import Bounds, Shape
 from rsym.sampling.distances import distance_to_lines, distance_to_mesh
 from rsym.sampling.extent import extent
 from rsym.sampling.level_lines import level_lines
+from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 
 RESOLUTION = {2: 256, 3: 40}
 SHARE = 0.01  # of the distance asked for: what is less off than this is not told
+ON_FACE = 1e-7  # of the size: values of omega on a face
 CHORD = 1e-3  # of the size, in space: chords of a mesh of this resolution are off by less where it is smooth
 
 
@@ -38,18 +43,45 @@ def tell_of_range(body: Shape, moved: Shape, distance: float, what: str, why: st
         warn(f"the {what} is {low:.4g} to {high:.4g} instead of {abs(distance):g}: {why}")
 
 
+def tell_of_bulge(blended: Shape, sharp: Shape, operands: Sequence[Shape]) -> None:
+    """Warn of the largest distance of a blend from faces that its operands share, which it was not to move."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RsymWarning)
+            faces, others = (_boundary(one, extent(one)) for one in (sharp, blended))
+    except RsymError:
+        warn("the operands share a face: both are small along all of it, and the fillet may move it")
+        return
+    points = np.concatenate(faces) if isinstance(faces, list) else faces.vertices
+    size = float(np.ptp(points, axis=0).max())
+    on_both = np.all([np.abs(compile(one)(*points.T)["value"]) < ON_FACE * size for one in operands], axis=0)
+    if not on_both.any():
+        return
+    points = points[on_both]
+    found = distance_to_lines(points, others) if isinstance(others, list) else distance_to_mesh(points, others)
+    largest = int(np.argmax(found))
+    if found[largest] > CHORD * size:
+        place = ", ".join(f"{coordinate:.4g}" for coordinate in points[largest])
+        warn(
+            f"the fillet moves a face that its operands share, by {found[largest]:.3g} at ({place}): both are small "
+            "along all of it; round faces that meet, and cut with the rest of the body afterwards"
+        )
+
+
+def _boundary(shape: Shape, box: Bounds) -> list[Floats] | Mesh:
+    if shape.dimension == 2:
+        return list(level_lines(shape, bounds=box, resolution=RESOLUTION[2]))
+    return mesh(shape, RESOLUTION[3], bounds=box)
+
+
 def _range(body: Shape, moved: Shape, distance: float) -> tuple[float, float] | None:
     """The least and the largest distance, None where they are the one asked for."""
     boxes = extent(body), extent(moved)
     size = max(high - low for low, high in boxes[0])
-    if body.dimension == 2:
-        lines, others = (
-            level_lines(one, bounds=box, resolution=RESOLUTION[2])
-            for one, box in zip((body, moved), boxes, strict=True)
-        )
-        found = distance_to_lines(np.concatenate(list(others)), list(lines))
+    faces, walls = (_boundary(one, box) for one, box in zip((body, moved), boxes, strict=True))
+    if isinstance(faces, list) or isinstance(walls, list):
+        found = distance_to_lines(np.concatenate(list(walls)), list(faces))
     else:
-        faces, walls = (mesh(one, RESOLUTION[3], bounds=box) for one, box in zip((body, moved), boxes, strict=True))
         found = distance_to_mesh(walls.vertices, faces)
     low, high = float(found.min()), float(found.max())
     slack = max(SHARE * distance, CHORD * size)

@@ -8,6 +8,7 @@ they and those around them are cut in smaller ones, and these again, up to a lim
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,7 @@ from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
 PARTS = 8  # of the side of a cell that is looked at
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
+TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
 UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides are whole
 _TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
@@ -62,11 +64,15 @@ class _Cells(NamedTuple):
 
 
 class _Found(NamedTuple):
-    """Whether cells are unseen, whether they and those around are to be cut, and the signs (k, m, m) within them."""
+    """Whether cells are unseen, whether they and those around are to be cut, and the signs (k, m, m) within them.
+
+    plain: the sides (k, 4) that lines cross once, where their corners differ, and no other.
+    """
 
     unseen: Flags
     cut: Flags
     high: Flags
+    plain: Flags
 
 
 def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLines:
@@ -77,30 +83,73 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
     open_cells = _undecided(leaves, lattice, known)
     if open_cells is None:
         return SeenLines(plain, examined=False)
-    cells, finer = _on_lattice(open_cells, signs > 0), lattice
-    looked, found = _look(leaves, finer, cells)
+    cells = _on_lattice(open_cells, signs > 0)
+    forced, loose = [np.empty((0, 2), np.int64)] * DEPTH, np.empty((0, 2), np.int64)
+    for attempt in range(TRIES):
+        small, cut, unseen, place, size = _descended(leaves, lattice, cells, forced)
+        if small is None:
+            return SeenLines(plain)
+        apart = _elsewhere(signs > 0, known, cut)
+        every = _Cells(*(np.concatenate(parts) for parts in zip(apart, small, strict=True)))
+        every = every.take(every.crossed)
+        loose = _loose(every, lattice)
+        if not len(loose):
+            break
+        forced = [np.concatenate([old, _larger(loose, depth, 2**attempt)]) for depth, old in enumerate(forced)]
+    lines = [line / UNIT for line in lines_through(every.sides, every.high)]
+    if len(loose) and not unseen:
+        unseen, place, size = len(loose), lattice.points(loose[0] / UNIT), max(lattice.spacing) / PARTS**DEPTH
+    return SeenLines(lines, unseen, (float(place[0]), float(place[1])) if unseen else None, size if unseen else 0.0)
+
+
+def _descended(
+    leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, forced: Sequence[Ints]
+) -> tuple[_Cells | None, Ints, int, Floats, float]:
+    """Cells cut until what they hold is seen, None if nothing is; which of the first are cut; what stays unseen.
+
+    That is told by the number of cells, the middle of the first and the size. At each depth those `forced` are cut too.
+    """
+    finer = lattice
+    looked, found = _look(leaves, finer, cells, forced[0])
+    cut, done = looked.first[found.cut], []
     if not found.unseen.any():
-        return SeenLines(plain)
-    done = [_elsewhere(signs > 0, known, looked.first[found.cut])]
+        return None, cut, 0, np.zeros(2), 0.0
     for depth in range(1, DEPTH + 1):
-        unseen, place = int(np.count_nonzero(found.unseen)), finer.points(looked.first[found.unseen][:1] + 0.5)[0]
-        size = max(finer.spacing)
+        unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
+        place = finer.points(looked.first[found.unseen][:1] + 0.5)
         cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
         undecided = _holds(leaves, finer, cells.first, 1)
         if np.count_nonzero(undecided) > MOST:
             break
-        looked, found = _look(leaves, finer, cells.take(undecided))
-        unseen = int(np.count_nonzero(found.unseen))
-        if not unseen:
+        looked, found = _look(leaves, finer, cells.take(undecided), forced[depth] if depth < DEPTH else cut[:0])
+        unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
+        place = finer.points(looked.first[found.unseen][:1] + 0.5)
+        if not found.cut.any() or depth == DEPTH:
             break
-        place, size = finer.points(looked.first[found.unseen][:1] + 0.5)[0], max(finer.spacing)
-        if depth < DEPTH:
-            done.append(cells.take(_number(looked.first[found.cut], cells.first) < 0))
-    done.append(cells)
-    every = _Cells(*(np.concatenate(parts) for parts in zip(*done, strict=True)))
-    every = every.take(every.crossed)
-    lines = [line / UNIT for line in lines_through(every.sides, every.high)]
-    return SeenLines(lines, unseen, (float(place[0]), float(place[1])) if unseen else None, size if unseen else 0.0)
+        done.append(cells.take(_number(looked.first[found.cut], cells.first) < 0))
+    every = _Cells(*(np.concatenate(parts) for parts in zip(*done, cells, strict=True)))
+    return every, cut, unseen, place[0] if len(place) else np.zeros(2), size
+
+
+def _loose(cells: _Cells, lattice: Lattice) -> Ints:
+    """The middles (n, 2) of sides where lines of cells do not go on: not crossed once from both."""
+    across = np.stack(
+        [cells.high[:, one] != cells.high[:, other] for one, other in ((0, 1), (2, 3), (0, 2), (1, 3))], 1
+    )
+    sides, place = np.unique(cells.sides[across], axis=0, return_inverse=True)
+    second = np.broadcast_to([False, True, False, True], across.shape)[across]
+    counts = np.array([np.bincount(place[which].ravel(), minlength=len(sides)) for which in (~second, second)])
+    end = UNIT * (np.array(lattice.counts) - 1)
+    return np.asarray(sides[(counts != 1).any(axis=0) & ((sides > 0) & (sides < end)).all(axis=1)])
+
+
+def _larger(middles: Ints, depth: int, reach: int) -> Ints:
+    """The cells of a depth so many cells around sides with these middles, if they are larger than the sides."""
+    either = middles[:, 0] | middles[:, 1]
+    size = UNIT // PARTS**depth
+    own = middles[2 * (either & -either) < size]
+    around = np.indices((2 * reach + 1, 2 * reach + 1)).reshape(2, -1).T - reach
+    return np.unique((np.unique(own // size, axis=0)[:, None] + around).reshape(-1, 2), axis=0)
 
 
 def edges_of(index: Floats) -> tuple[Floats, Floats]:
@@ -140,13 +189,13 @@ def _elsewhere(high: Flags, known: Flags, apart: Ints) -> _Cells:
 
 def _parts(cells: _Cells, found: _Found, half: int) -> _Cells:
     """The parts of those cells that are to be cut; `half` is that of their side in units."""
-    own, high = cells.take(found.cut), found.high[found.cut]
+    own, high, plain = cells.take(found.cut), found.high[found.cut], found.plain[found.cut]
     inside = np.indices((PARTS, PARTS)).reshape(2, -1).T
     first = PARTS * own.first[:, None] + inside
     sides = half * (2 * first[:, :, None] + _MIDDLES)
     beside = _beside(own.first)
     for side, (axis, end) in enumerate(((0, 0), (0, PARTS - 1), (1, 0), (1, PARTS - 1))):
-        larger = np.flatnonzero(beside[:, side] < 0)
+        larger = np.flatnonzero((beside[:, side] < 0) & plain[:, side])
         along = np.flatnonzero(inside[:, axis] == end)
         sides[larger[:, None], along, side] = own.sides[larger, side][:, None]
     corners = high[:, inside[:, None, 0] + _CORNERS[:, 0], inside[:, None, 1] + _CORNERS[:, 1]]
@@ -175,9 +224,23 @@ def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: fl
     return np.asarray(leaves.signs_over(lattice.points(first), lattice.points(first + size)) == 0)
 
 
-def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells) -> tuple[_Cells, _Found]:
+def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints) -> tuple[_Cells, _Found]:
     """What cells hold between their corners: those that were looked at, and what was found in them."""
     wild = _wild(leaves, lattice, every)
+    must = _number(every.first, forced)
+    wild[must[must >= 0]] = True
+    while True:
+        cells, found = _look_at(leaves, lattice, every, wild, forced)
+        # A side to a cell that is not to be cut is plain.
+        beside = (cells.first[:, None] + _BEYOND)[found.cut[:, None] & ~found.plain]
+        missed = _number(every.first, beside[_number(cells.first, beside) < 0])
+        if not (missed >= 0).any():
+            return cells, found
+        wild[missed[missed >= 0]] = True
+
+
+def _look_at(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, forced: Ints) -> tuple[_Cells, _Found]:
+    """The same for some wild cells, and those around."""
     near = _grown(_grown(wild, every.first), every.first)
     cells, wild = every.take(near), wild[near]
     inside = np.indices((PARTS + 1, PARTS + 1)).reshape(2, -1).T / PARTS
@@ -185,9 +248,12 @@ def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells) -> tuple[_Cells,
     values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
     known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
-    unseen = (_hidden(high, cells) | _doubtful(leaves, lattice, cells, high, wild)) & known & wild
+    unseen = np.asarray((_hidden(high, cells) | _doubtful(leaves, lattice, cells, high, wild)) & known & wild)
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
-    cut = np.asarray(_grown(unseen, cells.first) & known)
+    cut = np.asarray(_grown(unseen, cells.first))
+    must = _number(cells.first, forced)
+    cut[must[must >= 0]] = True
+    cut &= known
     ends = np.stack([high[:, 0], high[:, -1], high[:, :, 0], high[:, :, -1]], axis=1)
     # Across a side to a larger cell a line goes once, where its corners differ.
     changes = np.count_nonzero(np.diff(ends, axis=2), axis=2)
@@ -197,8 +263,9 @@ def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells) -> tuple[_Cells,
         more = beside[~(plain | ~cut[:, None])]
         more = more[(more >= 0) & ~cut[more] & known[more]]
         if not len(more):
-            return cells, _Found(unseen, cut, high)
+            break
         cut[more] = True
+    return cells, _Found(unseen, cut, high, plain)
 
 
 def _wild(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells) -> Flags:
@@ -217,7 +284,10 @@ def _wild(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells) -> Flags:
 
 
 def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
-    """Which cells are near a corner where the two leaves that alone matter in them cross: no cell shows a sharp one."""
+    """Which cells have within so many cells a corner where the two leaves that alone matter in them cross.
+
+    No samples show the tip of a sharp one.
+    """
     one, other = leaves.crossing_over(lattice.points(first), lattice.points(first + 1))
     tips, own = np.zeros(len(first), np.bool_), np.flatnonzero(one >= 0)
     middle = lattice.points(first[own] + 0.5)

@@ -162,3 +162,23 @@ def test_the_rims_of_a_cylinder_under_rho_have_its_radius():
     points = np.random.default_rng(3).uniform(-6, 6, (20000, 3))
     truth = _from_round_box(np.stack([np.hypot(*points[:, :2].T), points[:, 2]], axis=1), (5, 5), 1)
     assert (shape.contains(*points.T) == (truth > 0)).all()
+
+
+def test_a_fillet_of_shapes_that_share_a_face_tells_how_far_it_moves_it():
+    """On the axis the top of the right one lies where both operands are -radius*(1 - 1/sqrt(2)) = -0.146."""
+    plate, block = rsym.rectangle(4, 2), rsym.rectangle(2, 2, (1, 0))
+    with pytest.warns(rsym.RsymWarning, match="moves a face that its operands share, by") as caught:
+        made = rsym.fillet(plate, block, 0.5)
+    by = float(str(caught[0].message).split("share, by ")[1].split(" at ")[0])
+    top = rsym.extent(made)[1][1] - 1
+    assert 0.1 < by <= top + 1e-9
+    outline = np.concatenate(list(rsym.level_lines(made)))
+    assert by == pytest.approx(outline[:, 1].max() - 1, rel=0.05)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "other", [rsym.rectangle(2, 6), rsym.rectangle(2, 2, (10, 0)), rsym.disc(1, (2, 1))], ids=["cross", "far", "disc"]
+)
+def test_a_fillet_that_moves_no_shared_face_is_silent(other):
+    rsym.fillet(rsym.rectangle(4, 2), other, 0.5)

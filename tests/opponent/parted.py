@@ -2,7 +2,8 @@
 
 All coordinates lie on a small grid, so that lids, sides and radii are the same formulas again and again, at random
 places, in random order, some parts of one name, some of none. The truth is counted cell by cell on the grid: a piece of
-a face between a cell inside and one outside belongs to all boxes that end there.
+a face between a cell inside and one outside belongs to all boxes that end there. Measures, points drawn on
+it, points inside and rays are asked; of a group that has a name boxes without one have it.
 
     cd tests; python -m opponent.parted --count 2000 --seed 1
 """
@@ -11,8 +12,10 @@ from __future__ import annotations
 
 import argparse
 import collections
+import functools
 import itertools
 import math
+import operator
 import random
 
 import numpy as np
@@ -20,8 +23,10 @@ import sympy as sp
 
 import rsym
 from rsym.logic.faces import BETWEEN
+from rsym.sampling.rays import Caster
 
 NAMES = ("A", "B", "C", "D")
+GROUP = "E"  # of two of the boxes, of which those that have a name of their own keep it
 SIDE = 6  # of the grid
 WITHIN = 1e-9
 
@@ -36,17 +41,20 @@ class Bricks:
         levels = [sorted(chance.sample(range(SIDE + 1), 4)) for _ in range(dimension)]  # few: ends coincide
         for number in range(self.joined + self.cut):
             self.boxes.append([tuple(sorted(chance.sample(levels[axis], 2))) for axis in range(dimension)])
-            self.names.append(NAMES[number % 4] if chance.random() < 0.85 else chance.choice(("", "A")))
+            self.names.append(NAMES[number % 4] if chance.random() < 0.7 else chance.choice(("", "", "A")))
+        self.own, self.grouped = [*self.names], chance.random() < 0.5
+        if self.grouped:
+            self.names[:2] = [name or GROUP for name in self.names[:2]]
         self.chance = chance
 
     def shape(self):
         """As rsym has it, in a random order."""
-        order = [*range(self.joined)]
-        self.chance.shuffle(order)
         made = [self._box(number) for number in range(len(self.boxes))]
-        body = made[order[0]]
-        for number in order[1:]:
-            body = body | made[number]
+        joined = made[: self.joined]
+        if self.grouped:
+            joined[:2] = [(joined[0] | joined[1]).named(GROUP)]
+        self.chance.shuffle(joined)
+        body = functools.reduce(operator.or_, joined)
         for number in range(self.joined, len(made)):
             body = body - made[number]
         return body
@@ -56,7 +64,7 @@ class Bricks:
         middle = [(low + high) / 2 for low, high in self.boxes[number]]
         made = rsym.rectangle(*sizes) if self.dimension == 2 else rsym.box(*sizes)
         made = made.translate(*map(exact, middle))
-        return made.named(self.names[number]) if self.names[number] else made
+        return made.named(self.own[number]) if self.own[number] else made
 
     def holds(self, number, cell):
         """Whether a cell lies in a box."""
@@ -83,9 +91,10 @@ class Bricks:
                 yield middle, axis, frozenset().union(*map(self._called, ends))
 
     def _called(self, number):
-        """The names of a box: of one box twice, joined and cut out, it is not known which is meant."""
+        """The names of a box: of one box twice it is not known which is meant, a name of its own before a group's."""
         own = self.boxes[number]
-        return {name for box, name in zip(self.boxes, self.names, strict=True) if box == own and name}
+        names = {name for box, name in zip(self.boxes, self.names, strict=True) if box == own and name}
+        return names - {GROUP} or names
 
     def _united(self, cell):
         return any(self.holds(k, cell) for k in range(self.joined))
@@ -102,14 +111,15 @@ class Bricks:
             return None
         (axis,) = on
         cell = [math.floor(value) for value in point]
-        for middle, its, names in self._pieces:
+        for middle, its, names in self.pieces:
             if its == axis and middle[axis] == near[axis]:
                 if all(k == axis or math.floor(middle[k]) == cell[k] for k in range(self.dimension)):
                     return names
         return frozenset({"nothing"})
 
     @property
-    def _pieces(self):
+    def pieces(self):
+        """The pieces, counted once."""
         if not hasattr(self, "_found"):
             self._found = [*self.faces()]
         return self._found
@@ -166,12 +176,17 @@ def made(seed):
     return Rods(chance) if kind == "rods" else Bricks(chance, 2 if kind == "plane" else 3)
 
 
+def known(names):
+    """Names that were given; formulas are none."""
+    return frozenset(names) if {*names} <= {*NAMES, GROUP} else frozenset()
+
+
 def by_names(parts):
     """Measures by sets of names; formulas have none."""
     found = collections.Counter()
     for name, value in parts.items():
-        names = frozenset(name.split(BETWEEN))
-        found[names if names <= {*NAMES} else frozenset()] += float(value)
+        names = name.split(BETWEEN)
+        found[known(names)] += float(value)
     return found
 
 
@@ -194,20 +209,52 @@ def faults(seed, *, pictures=False):
         if abs(found[names] - truth[names]) > WITHIN * (1 + truth[names])
     ]
     if isinstance(case, Bricks):
-        said += drawn(case, shape, seed, truth)
+        said += drawn(case, shape, seed) + held(case, shape) + met(case, shape)
     if pictures and case.dimension == 3:
         said += meshed(shape, truth)
     return said
 
 
-def drawn(case, shape, seed, truth):
+def held(case, shape):
+    """The middles of cells lie inside where a box says so."""
+    cells = [*itertools.product(range(-1, SIDE + 1), repeat=case.dimension)]
+    inside = shape.contains(*(np.array(cells).T + 0.5))
+    wrong = [cell for cell, found in zip(cells, inside.tolist(), strict=True) if found != case.inside(cell)]
+    return [f"contains at {cell}" for cell in wrong[:3]]
+
+
+def met(case, shape):
+    """Rays along the axes through cells, from both sides, meet the face that is first, and its names."""
+    if case.dimension == 2:
+        return []
+    rays, wanted = [], []
+    for axis, way in itertools.product(range(3), (-1, 1)):
+        first = {}
+        for middle, its, names in case.pieces:
+            row = tuple(value for k, value in enumerate(middle) if k != axis)
+            if its == axis and (row not in first or (middle[axis] - first[row][0][axis]) * way < 0):
+                first[row] = middle, names
+        for middle, names in first.values():
+            rays.append(([value - 20 * way * (k == axis) for k, value in enumerate(middle)], way * np.eye(3)[axis]))
+            wanted.append(names)
+    hits = Caster(shape).cast(*map(np.array, zip(*rays, strict=True)))
+    if not (hits.met.all() and np.allclose(hits.depth, 20, rtol=0, atol=1e-9)):
+        return [f"{np.count_nonzero(~np.isclose(hits.depth, 20, rtol=0, atol=1e-9))} rays miss"]
+    found = zip(hits.points.tolist(), hits.labels.each.tolist(), wanted, strict=True)
+    return [
+        f"ray at {np.round(point, 6).tolist()}: {name} for {sorted(names)}"
+        for point, name, names in found
+        if known(name.split(BETWEEN)) != names
+    ][:3]
+
+
+def drawn(case, shape, seed):
     """Points that are drawn on each part lie there."""
     said = []
     on = rsym.sample(shape, 200, over="boundary", rng=seed, **({} if case.dimension == 2 else {"resolution": 16}))
     for point, name in zip(on.points.tolist(), on.parts.tolist(), strict=True):
         names = case.named_at(point)
-        called = frozenset(name.split(BETWEEN))
-        if names is not None and (called if called <= {*NAMES} else frozenset()) != names:
+        if names is not None and known(name.split(BETWEEN)) != names:
             said.append(f"sample at {np.round(point, 6).tolist()}: {name} for {sorted(names)}")
     return said[:3]
 

@@ -59,6 +59,10 @@ DEFERRED = {
         "rsym.sampling.offsets",
     ): "offset and shell: a length that no leaf knows is measured where it is asked for, or nobody would look at it",
     (
+        "model/blends/fillets.py",
+        "rsym.sampling.offsets",
+    ): "fillet: how far it moves a face that its operands share is measured where it is made, as for offset and shell",
+    (
         "model/symmetry/copies.py",
         "rsym.sampling.extent",
     ): "cyclic and row: whether a motif keeps within its cell is proved where it is copied, and decides how",

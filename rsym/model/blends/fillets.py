@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import sympy as sp
@@ -11,6 +12,9 @@ from rsym.model.arguments import LetterMapping, default, positive
 from rsym.model.arguments import angle as in_radians
 from rsym.model.blends.operands import Operands
 from rsym.model.blends.rho import Rho
+from rsym.model.rnodes import ROperation
+from rsym.model.shape import Shape
+from rsym.model.systems import R0
 
 
 def fillet(
@@ -32,7 +36,8 @@ def fillet(
     normalised, values are distances near the faces.
 
     Round faces that meet and cut with the rest of the body afterwards: where a and b share a face or touch, both
-    values are small along all of it, and the union bulges there.
+    values are small along all of it, and the union bulges there. Of shapes that share a face this is measured, and an
+    RsymWarning says by how much and where.
 
     G1: the fillet is the circle of this radius that touches both faces, exact for
     planes that meet at the given angle; tangents are continuous, the curvature
@@ -59,6 +64,11 @@ def fillet(
     letters : mapping, optional
         Values of letters in the numbers.
 
+    Warns
+    -----
+    RsymWarning
+        Where shapes share a face, and the blend moves it.
+
     Raises
     ------
     RsymError
@@ -78,7 +88,30 @@ def fillet(
     """
     operands = Operands.of(a, b, letters=letters)
     size = positive(radius, "the radius", operands.letters)
-    return operands.combined(operation, Rho(size, continuity, _cosine(angle, degrees, operands)))
+    made = operands.combined(operation, Rho(size, continuity, _cosine(angle, degrees, operands)))
+    first, second = operands.items[:2]
+    if isinstance(first, Shape) and isinstance(second, Shape) and _share_a_face(first, second):
+        from rsym.sampling.offsets import tell_of_bulge
+
+        tell_of_bulge(made, operands.combined(operation, R0), (first, second))
+    return made
+
+
+def _share_a_face(*shapes: Shape) -> bool:
+    """Whether leaves of two shapes have a factor in common, as polynomials tell."""
+    coordinates = shapes[0].coordinates
+    one, other = (
+        {leaf for leaf in _leaves(shape.expression) if leaf.is_polynomial(*coordinates) and not leaf.has(sp.Float)}
+        for shape in shapes
+    )
+    return any(sp.gcd(f, g).free_symbols & set(coordinates) for f, g in product(one, other))
+
+
+def _leaves(part: sp.Expr) -> list[sp.Expr]:
+    """What R-operations join."""
+    if isinstance(part, ROperation):
+        return [leaf for operand in part.operands for leaf in _leaves(operand)]
+    return _leaves(part.args[1]) if part.is_Mul and part.args[0] == -1 and len(part.args) == 2 else [part]
 
 
 def _cosine(angle: Any, degrees: bool, operands: Operands) -> sp.Expr:
