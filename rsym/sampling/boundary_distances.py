@@ -33,7 +33,8 @@ def by(letter: str) -> str:
 def distance_program(shape: Shape, letters: Sequence[str]) -> Program:
     """The distance, positive inside, and its derivatives by letters or coordinates; L is a letter of the shape.
 
-    Raises RsymError for a letter that is a parameter of an operation.
+    There is none where the end of a domain alone decides: omega is not zero there. Raises RsymError for a letter that
+    is a parameter of an operation.
 
     Examples
     --------
@@ -45,9 +46,9 @@ def distance_program(shape: Shape, letters: Sequence[str]) -> Program:
     form = shape_form(shape)
     b, known = form.builder, dict[tuple[int, str], int]()
     rows = []
-    for leaf in form.leaves:
+    for number, leaf in enumerate(form.leaves):
         one = FirstOrder(b, leaf)
-        rows.append((one.distance, *(one.by(letter, known) for letter in letters)))
+        rows.append((one.distance, b.const(number in form.walls), *(one.by(letter, known) for letter in letters)))
 
     def join(gate: Gate, one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:
         f, g = one[0], other[0]
@@ -55,8 +56,9 @@ def distance_program(shape: Shape, letters: Sequence[str]) -> Program:
         slopes = [b.select(f, g, u, v) for u, v in zip(first[1:], second[1:], strict=True)]
         return (b.make(gate.operation, f, g), *slopes)
 
-    names = (DISTANCE, *map(by, letters))
-    return b.program(dict(zip(names, through(form.gates, rows, join)[-1], strict=True)))
+    distance, ends, *slopes = through(form.gates, rows, join)[-1]
+    found = b.select(ends, b.const(0), b.undefined(), distance) if form.walls else distance
+    return b.program(dict(zip((DISTANCE, *map(by, letters)), (found, *slopes), strict=True)))
 
 
 def boundary_distances(

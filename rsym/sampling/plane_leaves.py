@@ -23,6 +23,8 @@ from rsym.sampling.plane import large_form
 NEWTON_STEPS = 12
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
 REACH = 16.0
+# Where a leaf is asked whether it is zero all over a plane, as shares of the sides of the bounds.
+PLACES = np.stack(np.meshgrid([0.19, 0.43, 0.71], [0.23, 0.47, 0.83]), axis=-1).reshape(-1, 2)
 
 
 @dataclass(frozen=True)
@@ -56,9 +58,13 @@ class PlaneLeaves:
         """How many leaves there are."""
         return len(self.form.leaves)
 
-    def at(self, fixed: Mapping[int, float], points: Floats) -> PlaneLeaves:
-        """The same in another plane; `points` are some of it."""
+    def at(self, fixed: Mapping[int, float]) -> PlaneLeaves:
+        """The same in another plane. A leaf that is zero at some places within the bounds is zero all over it."""
         plane = replace(self, fixed=fixed, flat=())
+        if self.bounds is None:
+            return plane
+        low, high = np.array(self.bounds, float).T
+        points = low + PLACES * (high - low)
         if plane._large is None:
             values = plane._every(points)[0][: self.count]
         else:
@@ -300,4 +306,6 @@ def leaves_of(
     bounds: Bounds | None = None,
 ) -> PlaneLeaves:
     """The leaves of a shape in a plane, asked for mostly within bounds of that."""
-    return PlaneLeaves(shape_form(shape), shape, free, fixed, letters, bounds)
+    found = PlaneLeaves(shape_form(shape), shape, free, fixed, letters, bounds)
+    # Of a section the coordinate that is fixed may be a letter.
+    return found.at(fixed) if fixed or found.form.builder.letters else found

@@ -132,12 +132,10 @@ def sections(
     )
     normal = names.index(str(axis))
     leaves = leaves_of(shape, first.free, first.fixed, letters, first.bounds)
-    # A leaf that is zero at all of these is zero all over the plane.
-    places = first.lattice.points(np.stack(np.meshgrid([1.2, 3.1, 4.7], [1.3, 2.9, 5.2]), axis=-1).reshape(-1, 2))
     steps, found = Steps(len(heights), progress), []
     for height in heights:
         fixed = {normal: height}
-        here = leaves.at(fixed, places)
+        here = leaves.at(fixed)
         lines = outline_within(replace(first, fixed=fixed), here)
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
