@@ -234,9 +234,9 @@ def _divides(builder: Builder, condition: int, difference: int) -> bool | None:
             return False if alone else None
         try:
             (_, rest), whole = sp.reduced(dividend, [divisor]), sp.Poly(dividend)
+            sizes = [abs(number) for number in sp.Poly(rest, *{*whole.gens, *sp.Poly(divisor).gens}).coeffs()]
         except (sp.PolynomialError, sp.polys.polyerrors.BasePolynomialError):
             return None
-        sizes = [abs(number) for number in sp.Poly(rest, *whole.gens).coeffs()]
         if max(sizes) > CONTINUOUS * max(abs(number) for number in whole.coeffs()):
             return False if alone and dividend.is_polynomial() else None
     return True

@@ -142,7 +142,7 @@ PLANE = [
     (y - Abs(x), "analytic", ((1e-9, 1), (-1, 1.2))),
     (conjunction(-x - Q(1, 1000), x + y / 10 - Q(1, 1000)), "analytic", ((-1, 1), (0.03, 1))),
     (R0m(1).conjunction(y, x + 5), "analytic", WIDE),
-    (Piecewise((y - sqrt(2) / 2, x > 0), (y - sqrt(2) / 2 - Q(1, 10**90), True)), "broken", WIDE),
+    (Piecewise((y - sqrt(2) / 2, x > 0), (y - sqrt(2) / 2 - sp.exp(x**6) / 10**90, True)), "broken", WIDE),
     (Piecewise((y - 3 - x, x > 0), (y, True)), "G0", WIDE),
     (y - x**2 - Q(1, 10**90) * Abs(x - sqrt(2) / 2), "G0", WIDE),
     (conjunction(x, y + x / 3), "analytic", ((1e-300, 1), (-1, 1.2))),

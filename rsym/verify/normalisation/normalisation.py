@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.bounds.enclosures import ranges_of
-from rsym.errors import RsymError
+from rsym.errors import RsymError, RsymWarning
 from rsym.logic.sign_form import Gate
 from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
@@ -190,10 +191,13 @@ def _boundary(
     lattice = lattice_over(box, resolution)
     none = np.empty((0, len(box)))
     if shape.dimension == 2:
-        lines = level_lines(shape, resolution=resolution, bounds=box, letters=values).lines
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RsymWarning)  # the remark says the same
+            found = level_lines(shape, resolution=resolution, bounds=box, letters=values)
+        lines, remarks = found.lines, (found.status.remark,) if found.status.unseen else ()
         points = np.vstack([none, *lines])
         edges = np.vstack([none, *(line[:-1] for line in lines)]), np.vstack([none, *(line[1:] for line in lines)])
-        return points, edges, max(lattice.spacing), ()
+        return points, edges, max(lattice.spacing), remarks
     try:
         surface = smooth_mesh(shape, lattice, values, None, None)
     except RsymError as error:

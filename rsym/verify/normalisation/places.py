@@ -34,6 +34,7 @@ def onto_boundary(
             found = derivatives.at(moved)
             squared = np.einsum("ij,ij->i", found.gradient, found.gradient)
             step = (found.value / squared)[:, None] * found.gradient
+            step[found.value == 0] = 0.0  # at a corner there is no gradient
             length = np.linalg.norm(step, axis=1)
             moved = moved - step * np.minimum(1, cell / np.maximum(length, 1e-300))[:, None]
     return moved, (length <= ON_BOUNDARY * cell) & (np.linalg.norm(moved - points, axis=1) <= 2 * cell)
