@@ -132,7 +132,9 @@ class PlaneLeaves:
 
     def _signs_over(self, low: Floats, high: Floats) -> list[Signs]:
         """Of the leaves and the gates."""
-        signs = [signs_between(*pair) for pair in self._bounded(_leaf_bounds(self.form), low, high)]
+        bounds = self._bounded(_leaf_bounds(self.form), low, high)
+        # What is 0 all over is inside.
+        signs = [np.where((lower == 0) & (upper == 0), 1, signs_between(lower, upper)) for lower, upper in bounds]
         for number in self.flat:
             signs[number] = np.ones_like(signs[number])
         return through(self.form.gates, signs, joined_signs)

@@ -4,6 +4,6 @@ import sympy as sp
 
 
 def without_value(outside):
-    """1, and without a value where `outside` is above 710/10**5; for what no domain is a leaf."""
-    far = 10**5 * sp.Max(outside, 0)
+    """1, and without a value where `outside` is above 710/10**9; for what no domain is a leaf."""
+    far = 10**9 * sp.Max(outside, 0)
     return sp.cosh(far) - sp.sinh(far)

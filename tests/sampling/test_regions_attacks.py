@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
+from oracles.undefined import without_value
 
 import rsym
 from rsym import RsymError, x, y, z
@@ -29,11 +30,6 @@ def kernels_of(formula, letters, moved=None):
     kernels = RegionKernels(surface_form(shape), shared=True)
     kernels.set(shape.letters.values_with(moved), CUBE)
     return kernels
-
-
-def root_of(expression):
-    """Undefined where the expression is negative; the exponent varies, so that no form knows the domain."""
-    return expression ** (y**2 + sp.Rational(1, 2))
 
 
 def values(kernels, points):
@@ -80,7 +76,7 @@ def test_a_letter_may_be_a_leaf_by_itself():
 
 def test_the_sign_picture_keeps_what_is_undefined():
     """A disc or what is undefined left of an axis: outside there everywhere, not only near the circle."""
-    shape = rsym.Shape(rsym.disjunction(1 - x**2 - y**2, root_of(x) - 4), (x, y))
+    shape = rsym.Shape(rsym.disjunction(1 - x**2 - y**2, without_value(-x) - 4), (x, y))
     lattice = lattice_over(((-1.5, 1.5), (-1.5, 1.5)), 60, math.inf)
     u, v = np.meshgrid(
         *(o + h * np.arange(n) for o, h, n in zip(lattice.origin, lattice.spacing, lattice.counts, strict=True)),
@@ -92,14 +88,14 @@ def test_the_sign_picture_keeps_what_is_undefined():
 
 def test_the_value_keeps_what_is_undefined():
     """Of max(min(undefined, -1 - x**2), 9) the first operand is below the second in the whole box."""
-    formula = rsym.disjunction(rsym.conjunction(root_of(x) + 1, -1 - z**2), 9 + y)
+    formula = rsym.disjunction(rsym.conjunction(without_value(-x) + 1, -1 - z**2), 9 + y)
     points = np.random.default_rng(11).uniform(-1, 1, (3, 400))
     found = values(kernels_of(formula, {}), points)
     np.testing.assert_array_equal(np.isnan(found), points[0] < 0)
 
 
 def test_a_box_with_something_undefined_is_kept():
-    kernels = kernels_of(rsym.disjunction(root_of(x), 9 + y), {})
+    kernels = kernels_of(rsym.disjunction(without_value(-x), 9 + y), {})
     ends = ends_around(np.array([[-0.5, 0.5, 0.0], [0.0] * 3, [0.0] * 3]), 0.1)
     sides, _ = kernels.sides(ends, np.zeros(3, np.int64), None, one_by_one)
     assert sides.tolist() == [KEPT, INSIDE, KEPT]
