@@ -21,8 +21,7 @@ from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 PARTS = 8  # of the side of a cell that is looked at
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
 TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
-MOST = 32_000  # cells of the lattice that may be looked at; more, all over, are no lines
-MOST_PARTS = 8_000  # of smaller ones: faces that touch along a curve leave eight times as many each time
+MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
 UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides are whole
 _TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
 _BEYOND = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
@@ -120,7 +119,7 @@ def _descended(
         place = finer.points(looked.first[found.unseen][:1] + 0.5)
         cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
         undecided = _holds(leaves, finer, cells.first, 1)
-        if np.count_nonzero(undecided) > MOST_PARTS:
+        if np.count_nonzero(undecided) > MOST:
             break
         looked, found = _look(leaves, finer, cells.take(undecided), forced[depth] if depth < DEPTH else cut[:0])
         unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
