@@ -48,6 +48,8 @@ def loops_of(shape: Shape, axis: Collection[int] = ()) -> tuple[BoundaryLoop, ..
     found = []
     for line in lines:
         _, active = leaves.distance(np.asarray(line))
+        if RESOLUTION * np.ptp(line, axis=0).max() < max(high - low for low, high in bounds_or_extent(shape, None)):
+            raise _too_small(shape, int(active[0]))
         u, v = np.diff(line, axis=0).T
         turned = float(np.sum(line[:-1, 0] * v - line[:-1, 1] * u))
         found += [BoundaryLoop(tuple(np.unique(piece).tolist()), turned < 0) for piece in _pieces(active, axis)]
@@ -78,11 +80,15 @@ def _require_all(shape: Shape, leaves: PlaneLeaves, seen: Collection[int]) -> No
         points = points[np.all((box[:, 0] <= points) & (points <= box[:, 1]), axis=1)]
         distance, active = leaves.distance(points)
         if np.any((distance <= near) & (active == leaf)):
-            raise RsymError(
-                f"{shape_leaf_names(shape)[leaf]} bounds something too small to tell whether it is a hole",
-                code="hole",
-                remedy=f"leave it out, or make it larger than the shape over {RESOLUTION}",
-            )
+            raise _too_small(shape, leaf)
+
+
+def _too_small(shape: Shape, leaf: int) -> RsymError:
+    return RsymError(
+        f"{shape_leaf_names(shape)[leaf]} bounds something too small to tell whether it is a hole",
+        code="hole",
+        remedy=f"leave it out, or make it larger than the shape over {RESOLUTION}",
+    )
 
 
 def holes(shape: Shape, unknown: Collection[int], axis: Collection[int] = ()) -> tuple[tuple[int, ...], ...]:

@@ -66,6 +66,7 @@ class LevelLinesStatus(Report):
             f"Corners unresolved, where a cell holds too much: {self.unresolved_corners}.": self.unresolved_corners,
             f"The field is undefined at {self.undefined_samples} samples.": self.undefined_samples,
             self.remark: self.unseen,
+            "What is thinner than a cell was not looked for: the formula is too long.": not self.examined,
         }
         told = numerical(text for text, count in troubles.items() if count)
         return Document("level-lines", Sentence(lines, False), sentences=told, data=asdict(self))

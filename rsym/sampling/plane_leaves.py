@@ -58,6 +58,11 @@ class PlaneLeaves:
         """How many leaves there are."""
         return len(self.form.leaves)
 
+    @property
+    def operations(self) -> int:
+        """How many operations the bounds of all leaves over a box take; of a large form some of them."""
+        return 100 if self._large is not None else len(_leaf_bounds(self.form).program.nodes)
+
     def at(self, fixed: Mapping[int, float]) -> PlaneLeaves:
         """The same in another plane. A leaf that is zero at some places within the bounds is zero all over it."""
         plane = replace(self, fixed=fixed, flat=())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -23,6 +24,7 @@ from rsym.reports.numbers import point
 from rsym.sampling.extent import bounds_or_extent
 
 ALONG = {2: 65, 3: 17}  # points along each axis: what is smaller than some of these cells is no part of a picture
+BESIDE = 1e-5  # of a side
 HELD = 1 << 22  # values of nodes at a time
 LONGEST = 60  # characters of a formula that is told
 
@@ -78,6 +80,9 @@ def undefined_in(shape: Shape, box: Bounds, letters: Mapping[Any, float] | None 
     size = max(1, HELD // len(program.nodes))
     blocks = [points[:, start : start + size] for start in range(0, points.shape[1], size)]
     missing = np.concatenate([np.broadcast_to(np.isnan(at(block)["value"]), block.shape[1:]) for block in blocks])
+    # Along lines and planes that points happen to lie on, omega may have none, and has one beside them.
+    beside = points[:, missing] + [[BESIDE * (high - low) / math.sqrt(k + 2)] for k, (low, high) in enumerate(box)]
+    missing[missing] = np.isnan(np.broadcast_to(at(beside)["value"], beside.shape[1:]))
     if not missing.any():
         return None
     there = points[:, missing]

@@ -22,6 +22,7 @@ PARTS = 8  # of the side of a cell that is looked at
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
 TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
+WORK = 3e7  # boxes of cells, each times the operations of the form, at a time: a second or two
 UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides are whole
 _TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
 _BEYOND = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
@@ -118,6 +119,8 @@ def _descended(
         unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
         place = finer.points(looked.first[found.unseen][:1] + 0.5)
         cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
+        if len(cells.first) * leaves.operations > WORK:
+            break
         undecided = _holds(leaves, finer, cells.first, 1)
         if np.count_nonzero(undecided) > MOST:
             break
@@ -213,7 +216,7 @@ def _undecided(leaves: PlaneLeaves, lattice: Lattice, known: Flags) -> Ints | No
         size //= 2
         blocks = (blocks[:, None] + size * _CORNERS).reshape(-1, 2)
         blocks = blocks[(blocks < known.shape).all(axis=1)]
-        if len(blocks) > 16 * MOST:
+        if len(blocks) > 16 * MOST or len(blocks) * leaves.operations > WORK:
             return None
     blocks = blocks[known[tuple(blocks.T)]]
     return blocks if len(blocks) <= MOST else None

@@ -42,7 +42,9 @@ def test_points_have_the_colours_of_their_residuals():
 
 def test_points_without_a_residual_are_grey_crosses():
     shape = rsym.Shape(rsym.x**b + a - y, (rsym.x, y), letters={a: 1, b: 0.5})
-    drawn = rsym.plot_fit(rsym.fit(shape, [[1, 2.5], [4, 3.6], [-1, 1], [2, 3]], [a]), resolution=32)
+    found = rsym.fit(shape, [[1, 2.5], [4, 3.6], [-1, 1], [2, 3]], [a])
+    with pytest.warns(rsym.RsymWarning, match="omega has no value in 26 % of the bounds"):
+        drawn = rsym.plot_fit(found, resolution=32)
     assert len(drawn.get_array()) == 3
     assert any(len(one.get_offsets()) == 1 for one in drawn.axes.collections)
 
