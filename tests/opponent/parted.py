@@ -88,13 +88,18 @@ class Bricks:
                 ends = [k for k in range(self.joined) if self.holds(k, cell)] if not self._united(other) else []
                 ends += [k for k in range(self.joined, len(self.boxes)) if self.holds(k, other)]
                 middle = [place + 0.5 * (1 + way * (k == axis)) for k, place in enumerate(cell)]
-                yield middle, axis, frozenset().union(*map(self._called, ends))
+                names = frozenset().union(*map(self._called, ends))
+                yield middle, axis, names - {GROUP} if self._inner(ends) else names
 
     def _called(self, number):
         """The names of a box: of one box twice it is not known which is meant, a name of its own before a group's."""
         own = self.boxes[number]
         names = {name for box, name in zip(self.boxes, self.names, strict=True) if box == own and name}
         return names - {GROUP} or names
+
+    def _inner(self, ends):
+        """Whether a box of the group that has a name of its own is there: the group around it goes without saying."""
+        return self.grouped and any(k < 2 and GROUP not in self._called(k) for k in ends)
 
     def _united(self, cell):
         return any(self.holds(k, cell) for k in range(self.joined))
