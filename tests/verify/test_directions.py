@@ -82,7 +82,6 @@ def test_what_is_no_curve(omega, kind, branches):
         y - sp.Max(x, 0) ** 2,
         y + absolute_power(x, sp.Rational(3, 2)),
         sp.exp(x) - 1 - sp.sin(y) - sp.Abs(x - y) / 2,
-        x**2 + 3 * y**2 + x**3,  # no sum of squares as it is written
         x - y**2 + conjunction(x, y) * disjunction(x, y),  # smooth to first order
         conjunction(y, x**2 - y),  # a cusp: both branches along one axis
         conjunction(y - x**2, 2 * x**2 - y),
