@@ -142,14 +142,18 @@ class LevelLines(Sequence[Floats]):
         """
         self._require_closed("a region")
         shapely = optional_package("shapely", "to_shapely")
+
+        def valid(region: Any) -> Any:
+            return shapely.make_valid(region, method="structure", keep_collapsed=False)
+
         sizes = [_signed_area(line) for line in self.lines]
         order = np.argsort(np.abs(sizes), kind="stable").tolist()
         shells: list[tuple[float, Any, Any, list[Any]]] = [
-            (sizes[k], shapely.Polygon(self.lines[k]), self.lines[k], []) for k in order if sizes[k] > 0
+            (sizes[k], valid(shapely.Polygon(self.lines[k])), self.lines[k], []) for k in order if sizes[k] > 0
         ]
         for k in order:
             if sizes[k] < 0:
-                place = shapely.Polygon(self.lines[k]).representative_point()
+                place = valid(shapely.Polygon(self.lines[k])).representative_point()
                 around = (holes for size, shell, _, holes in shells if size > -sizes[k] and shell.contains(place))
                 owner = next(around, None)
                 if owner is None:
@@ -162,7 +166,7 @@ class LevelLines(Sequence[Floats]):
         region = shapely.MultiPolygon([(line, holes) for _, _, line, holes in shells])
         if region.is_valid:
             return region
-        parts = shapely.get_parts(shapely.make_valid(region, method="structure", keep_collapsed=False))
+        parts = shapely.get_parts(valid(region))
         return shapely.MultiPolygon([part for part in parts if isinstance(part, shapely.Polygon)])
 
     def _require_closed(self, what: str) -> None:

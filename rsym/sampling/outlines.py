@@ -98,7 +98,7 @@ def _on_leaves(
     """Lines by the middles of the edges that they cross, each vertex on its leaf, and corners where leaves meet."""
     cell = min(sampler.lattice.spacing)
     index = np.concatenate([*found, np.empty((0, 2))])
-    points, sizes = _on_edges(sampler, leaves, index)
+    points = _on_edges(sampler, leaves, index)
     distance, leaf = leaves.distance(points)
     starts = np.cumsum([0, *map(len, found)])
     joints = np.flatnonzero(np.diff(leaf))
@@ -113,7 +113,7 @@ def _on_leaves(
     if len(leaves.walls):
         labels = np.split(np.insert(leaf, places, -1), ends[1:-1]) if found else ()
         lines, edges = _off_walls(lines, edges, [np.isin(row, leaves.walls) for row in labels])
-    lines, edges = _without_beads(lines, edges, np.split(sizes, starts[1:-1]) if found else (), cell)
+    lines, edges = _without_beads(lines, edges, cell)
     closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
     status = LevelLinesStatus(
         vertices=sum(map(len, lines)),
@@ -126,8 +126,8 @@ def _on_leaves(
     return LevelLines(lines, 0.0, "value", status), edges
 
 
-def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> tuple[Floats, Floats]:
-    """The zero of the form on the edge of each vertex, and its length in cells; `index` holds the middles of edges."""
+def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floats:
+    """The zero of the form on the edge of each vertex; `index` holds the middles of edges."""
     low, high = edges_of(index)
     along = high - low
     start, end = (leaves.active(sampler.lattice.points(end))[0] for end in (low, high))
@@ -135,28 +135,24 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> tupl
     def at(t: Floats, which: Ints) -> Floats:
         return leaves.active(sampler.lattice.points(low[which] + t[:, None] * along[which]))[0]
 
-    return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along), along.max(axis=1)
+    return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along)
 
 
 def _without_beads(
-    lines: Sequence[Floats], edges: Sequence[Floats], sizes: Sequence[Floats], cell: float
+    lines: Sequence[Floats], edges: Sequence[Floats], cell: float
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
-    """Lines without those that samples cut off a sharp tip: they end in a corner that a longer one has too."""
-    small = [
-        len(size) < len(line) and np.ptp(line, axis=0).max() <= 2 * REACH * cell * size.max()
-        for line, size in zip(lines, sizes, strict=False)
+    """Lines without those that samples cut off a sharp tip: both ends have one corner, that of a line that stays."""
+    corners = [line[np.isnan(edge[:, 0])] for line, edge in zip(lines, edges, strict=True)]
+    beads = [
+        len(own) > 1 and np.ptp(own, axis=0).max() <= ON_LEVEL * cell and np.ptp(line, axis=0).max() <= 2 * REACH * cell
+        for line, own in zip(lines, corners, strict=True)
     ]
-    if len(small) != len(lines) or all(small) or not any(small):
-        return tuple(lines), tuple(edges)
-    corners = np.concatenate(
-        [line[np.isnan(edge[:, 0])] for line, edge, one in zip(lines, edges, small, strict=True) if not one]
-    )
-    kept = []
-    for number, (line, one) in enumerate(zip(lines, small, strict=True)):
-        own = line[np.isnan(edges[number][:, 0])] if one else corners[:0]
-        apart = np.abs(own[:, None] - corners).max(axis=2).min(axis=1, initial=np.inf) if one else own[:, 0]
-        if not (apart <= ON_LEVEL * cell).any():
-            kept.append(number)
+    others = np.concatenate([np.empty((0, 2)), *(own for own, bead in zip(corners, beads, strict=True) if not bead)])
+    kept = [
+        number
+        for number, (own, bead) in enumerate(zip(corners, beads, strict=True))
+        if not bead or np.abs(own[0] - others).max(axis=1).min(initial=np.inf) > ON_LEVEL * cell
+    ]
     return tuple(lines[k] for k in kept), tuple(edges[k] for k in kept)
 
 
