@@ -45,10 +45,11 @@ def loops_of(shape: Shape, axis: Collection[int] = ()) -> tuple[BoundaryLoop, ..
     """
     lines = level_lines(shape, resolution=RESOLUTION)
     leaves = leaves_of(shape, (0, 1), {})
+    cell = max(high - low for low, high in bounds_or_extent(shape, None)) / RESOLUTION
     found = []
     for line in lines:
         _, active = leaves.distance(np.asarray(line))
-        if RESOLUTION * np.ptp(line, axis=0).max() < max(high - low for low, high in bounds_or_extent(shape, None)):
+        if np.ptp(line, axis=0).max() < cell:
             raise _too_small(shape, int(active[0]))
         u, v = np.diff(line, axis=0).T
         turned = float(np.sum(line[:-1, 0] * v - line[:-1, 1] * u))

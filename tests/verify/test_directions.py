@@ -61,6 +61,7 @@ def test_corners_have_the_turn_that_plane_geometry_gives_them(omega, point, turn
     [
         (sp.Abs(x) + sp.Abs(y), "isolated point", 0),
         (x**2 * (1 + y) + 3 * y**2, "isolated point", 0),
+        (x**2 + 3 * y**2 + x**3, "isolated point", 0),  # a sum of squares but for higher orders
         (-sp.sqrt(x**2 + y**2) + x / 2 + y**2, "isolated point", 0),
         (sp.Abs(x) - sp.Abs(y), "node", 4),
         (rsym.equivalence(x, 2 * y) - x / 4 - sp.sin(x) * y, "node", 4),

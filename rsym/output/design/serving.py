@@ -22,7 +22,7 @@ from rsym.model.letters import real_number
 from rsym.model.shape import Shape
 from rsym.output.formats import FORMATS
 from rsym.sampling.mesh import Mesh
-from rsym.sampling.meshing import mesh
+from rsym.sampling.meshing import AUTOMATIC, FIRST, mesh
 from rsym.verify.lint.linting import lint
 from rsym.verify.smoothness import verify_smoothness
 
@@ -50,12 +50,12 @@ class DesignServer(ThreadingHTTPServer):
         html: str,
         *,
         port: int = 0,
-        resolution: int | Sequence[int] | str = "auto",
+        resolution: int | Sequence[int] | str = AUTOMATIC,
         force: bool = False,
     ) -> None:
         self.shape, self.html = shape, html
         self.mesh = partial(mesh, shape, resolution, force=force)
-        self.shown = partial(mesh, shape, 128 if resolution == "auto" else resolution, force=force)
+        self.shown = partial(mesh, shape, FIRST if resolution == AUTOMATIC else resolution, force=force)
         self.word = secrets.token_urlsafe(24)
         self.working = (
             threading.Lock()

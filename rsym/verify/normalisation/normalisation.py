@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.bounds.enclosures import ranges_of
-from rsym.errors import RsymError, RsymWarning
+from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate
 from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
@@ -19,7 +18,8 @@ from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
 from rsym.sampling.extent import outer_bounds
 from rsym.sampling.lattice import lattice_over
-from rsym.sampling.level_lines import level_lines
+from rsym.sampling.outlines import known_outline
+from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
 from rsym.verify.boxes.local import Box, Model
@@ -191,9 +191,8 @@ def _boundary(
     lattice = lattice_over(box, resolution)
     none = np.empty((0, len(box)))
     if shape.dimension == 2:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RsymWarning)  # the remark says the same
-            found = level_lines(shape, resolution=resolution, bounds=box, letters=values)
+        sampler = plane_sampler(shape, "value", resolution=resolution, bounds=box, letters=values)
+        found = known_outline(sampler, cut=True)
         lines, remarks = found.lines, (found.status.remark,) if found.status.unseen else ()
         points = np.vstack([none, *lines])
         edges = np.vstack([none, *(line[:-1] for line in lines)]), np.vstack([none, *(line[1:] for line in lines)])
