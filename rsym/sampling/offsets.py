@@ -52,13 +52,13 @@ def tell_of_bulge(blended: Shape, sharp: Shape, operands: Sequence[Shape]) -> No
     except RsymError:
         warn("the operands share a face: both are small along all of it, and the fillet may move it")
         return
-    points = np.concatenate(faces) if isinstance(faces, list) else faces.vertices
+    points = _points(faces)
     size = float(np.ptp(points, axis=0).max())
     on_both = np.all([np.abs(compile(one)(*points.T)["value"]) < ON_FACE * size for one in operands], axis=0)
     if not on_both.any():
         return
     points = points[on_both]
-    found = distance_to_lines(points, others) if isinstance(others, list) else distance_to_mesh(points, others)
+    found = _distance(points, others)
     largest = int(np.argmax(found))
     if found[largest] > CHORD * size:
         place = ", ".join(f"{coordinate:.4g}" for coordinate in points[largest])
@@ -74,15 +74,20 @@ def _boundary(shape: Shape, box: Bounds) -> list[Floats] | Mesh:
     return mesh(shape, RESOLUTION[3], bounds=box)
 
 
+def _points(boundary: list[Floats] | Mesh) -> Floats:
+    return np.concatenate(boundary) if isinstance(boundary, list) else boundary.vertices
+
+
+def _distance(points: Floats, boundary: list[Floats] | Mesh) -> Floats:
+    return distance_to_lines(points, boundary) if isinstance(boundary, list) else distance_to_mesh(points, boundary)
+
+
 def _range(body: Shape, moved: Shape, distance: float) -> tuple[float, float] | None:
     """The least and the largest distance, None where they are the one asked for."""
     boxes = extent(body), extent(moved)
     size = max(high - low for low, high in boxes[0])
     faces, walls = (_boundary(one, box) for one, box in zip((body, moved), boxes, strict=True))
-    if isinstance(faces, list) or isinstance(walls, list):
-        found = distance_to_lines(np.concatenate(list(walls)), list(faces))
-    else:
-        found = distance_to_mesh(walls.vertices, faces)
+    found = _distance(_points(walls), faces)
     low, high = float(found.min()), float(found.max())
     slack = max(SHARE * distance, CHORD * size)
     return (low, high) if low < distance - slack or high > distance + slack else None
