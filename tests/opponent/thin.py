@@ -1,14 +1,14 @@
 """An opponent of lines: what is thinner than a cell, at random places, of random size and orientation.
 
-Rings, slots, gaps, ovals, dots, needles and discs that touch, each in a square of its own: what they add to the number,
-the length and the area of the lines is known in closed form. They are bodies of their own or holes in a plate.
+Rings, slots, gaps, ovals, dots, needles and discs that touch, each in a square of its own: the number, the
+length and the area of the lines around each are known in closed form. They are bodies of their own or holes in a plate.
+What is wrong of one is told if a warning names a place in its square.
 
-    cd tests; python -m opponent.thin --count 2000 --seed 1
+    python tests/opponent/hunt.py thin --count 2000 --start 1
 """
 
 from __future__ import annotations
 
-import argparse
 import math
 import random
 import warnings
@@ -19,6 +19,8 @@ from scipy.special import ellipe
 import rsym
 
 GRID = (3, 2)  # squares of side 2
+PLATE = (6.4, 4.4)
+WITHIN = 1.05  # from the middle of its square all of a feature lies
 CHORDS = 2e-2  # of the length and the area, polygons of a coarse lattice instead of curves
 SMALL = 0.2  # the same of what is smaller than a cell: a few chords for all of it
 
@@ -69,34 +71,35 @@ class Feature:
 
 
 class Thin:
-    """Some features in a plane, moved together, and what the lines around them measure."""
+    """Some features in a plane, moved together, and what the lines around each of them measure."""
 
     def __init__(self, seed):
         chance = random.Random(seed)
         places = [(2 * i - 2, 2 * j - 1) for i in range(GRID[0]) for j in range(GRID[1])]
         chance.shuffle(places)
-        self.features = [Feature(chance) for _ in range(chance.randint(1, 3))]
+        self.features = [Feature(chance) for _ in range(chance.choice((1, 1, 2, 2, 3)))]
+        self.places = places[: len(self.features)]
         body = None
-        for feature, place in zip(self.features, places, strict=False):
+        for feature, place in zip(self.features, self.places, strict=True):
             moved = feature.shape.translate(*place)
             body = moved if body is None else body | moved
         self.holes = chance.random() < 0.4
-        counts = [feature.lines for feature in self.features]
-        self.lines = None if None in counts else sum(counts)
-        self.length, self.area = (sum(getattr(one, what) for one in self.features) for what in ("length", "area"))
         if self.holes:
-            body = rsym.rectangle(6.4, 4.4) - body
-            self.lines = self.lines and self.lines + 1
-            self.length, self.area = self.length + 21.6, 6.4 * 4.4 - self.area
-        self.turned, self.scale = chance.uniform(0, 2 * math.pi), 10 ** chance.uniform(-2, 2)
-        self.moved = [self.scale * chance.uniform(-5, 5) for _ in range(2)]
-        self.shape = body.rotate(self.turned).scale(self.scale).translate(*self.moved)
-        self.length, self.area = self.scale * self.length, self.scale**2 * self.area
-        self.resolution = chance.choice([24, 50, 100, 200])
-        self.cut = chance.random() < 0.3
+            body = rsym.rectangle(*PLATE) - body
+        turned, self.scale = chance.uniform(0, 2 * math.pi), 10 ** chance.uniform(-2, 2)
+        self.moved = np.array([self.scale * chance.uniform(-5, 5) for _ in range(2)])
+        self.frame = self.scale * np.array([[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]])
+        self.shape = body.rotate(turned).scale(self.scale).translate(*self.moved)
+        self.resolution = chance.choice([16, 24, 24, 50, 100])
+        self.cut = chance.random() < 0.15
+        self.family = f"{'cut' if self.cut else 'lines'} at {self.resolution}"
 
-    def asked(self):
-        """The lines, and what was warned of."""
+    def __str__(self):
+        names = "+".join(feature.name for feature in self.features)
+        return f"{names}{' as holes' if self.holes else ''} at {self.resolution}{' cut' if self.cut else ''}"
+
+    def lines(self):
+        """The lines, where something is told to be unresolved, as it stood before it was moved, and what was said."""
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
             if self.cut:
@@ -104,46 +107,61 @@ class Thin:
                 lines = section.lines
             else:
                 lines = rsym.level_lines(self.shape, resolution=self.resolution)
-        return lines, [str(one.message) for one in said]
+        told = [self.back(np.array([lines.status.place]))[0]] if said and lines.status.place else []
+        return [self.back(line) for line in lines], told, [str(one.message) for one in said]
+
+    def back(self, points):
+        """Points where the features are made."""
+        return (points - self.moved) @ np.linalg.inv(self.frame)
+
+    def wrong(self, lines):
+        """What is wrong of lines, by the place of the feature, None for the plate."""
+        own = {place: [] for place in [*self.places, None]}
+        for line in lines:
+            away = [np.abs(line - place).max() for place in self.places]
+            within = min(away) <= WITHIN
+            own[self.places[int(np.argmin(away))] if within else None].append(line)
+        if self.holes:
+            plate = 1, 2 * sum(PLATE), math.prod(PLATE)
+            yield from ((None, f"plate: {fault}") for fault in unlike(own[None], plate, 1, CHORDS, CHORDS))
+        else:
+            yield from ((tuple(line[0]), f"a line too many at {line[0]}") for line in own[None])
+        for feature, place in zip(self.features, self.places, strict=True):
+            truth, off = (feature.lines, feature.length, feature.area), SMALL if feature.small else CHORDS
+            for fault in unlike(own[place], truth, -1 if self.holes else 1, off, off):
+                yield place, f"{feature.name}: {fault}"
 
 
-def faults(seed):
-    """What is wrong without a word, and what is doubted though it is right."""
-    case = Thin(seed)
-    lines, told = case.asked()
-    names = "+".join(feature.name for feature in case.features)
-    where = f"{names}{' as holes' if case.holes else ''} at {case.resolution}{' cut' if case.cut else ''}"
-    wrong = []
-    if case.lines is not None and len(lines) != case.lines:
-        wrong.append(f"{where}: {len(lines)} lines for {case.lines}")
+def unlike(lines, truth, sign, *off):
+    """How lines are unlike what is true, area times the sign."""
+    count, *sizes = truth
+    if count is not None and len(lines) != count:
+        yield f"{len(lines)} lines for {count}"
     if any(not np.array_equal(line[0], line[-1]) for line in lines):
-        wrong.append(f"{where}: lines end")
-    else:
-        for what in ("length", "area"):
-            found, true = getattr(lines, what), getattr(case, what)
-            allowed = CHORDS * true + SMALL * sum(
-                getattr(one, what) for one in case.features if one.small
-            ) * case.scale ** (1 if what == "length" else 2)
-            if abs(found - true) > allowed:
-                wrong.append(f"{where}: {what} {found:.6g} for {true:.6g}")
+        yield "lines end"
+        return
+    steps = [np.diff(line, axis=0) for line in lines]
+    length = sum(np.hypot(*step.T).sum() for step in steps)
+    area = sign * sum(
+        (line[:-1, 0] * step[:, 1] - line[:-1, 1] * step[:, 0]).sum() / 2 for line, step in zip(lines, steps, strict=True)
+    )
+    for what, found, true, part in zip(("length", "area"), (length, area), sizes, off, strict=True):
+        if abs(found - true) > part * true:
+            yield f"{what} {found:.6g} for {true:.6g}"
+
+
+case = Thin
+
+
+def asked(case):
+    """Whether all is right, or right and doubted, or told; and what is wrong and not told there."""
+    lines, places, said = case.lines()
+    wrong = [*case.wrong(lines)]
+    silent = [
+        fault
+        for place, fault in wrong
+        if place is None or not any(np.abs(told - place).max() <= WITHIN for told in places)
+    ]
     touch = any(feature.name == "contact" for feature in case.features)
-    return (wrong if not told else []), (told if not wrong and not touch else []), wrong if told else []
-
-
-def main():
-    """Ask many seeds, and say which are wrong."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=0)
-    asked = parser.parse_args()
-    counts = [0, 0, 0]
-    for seed in range(asked.seed, asked.seed + asked.count):
-        for k, (word, said) in enumerate(zip(("SILENT", "needless", "told"), faults(seed), strict=True)):
-            if said:
-                counts[k] += 1
-                print(seed, word, *said, sep="\n  ", flush=True)
-    print(f"of {asked.count}: {counts[0]} wrong without a word, {counts[1]} right and doubted, {counts[2]} told")
-
-
-if __name__ == "__main__":
-    main()
+    word = "told" if wrong else "right" if not said else "a contact" if touch else "doubted"
+    return word, silent + (said if silent else [])
