@@ -213,7 +213,7 @@ def test_points_where_omega_is_undefined_are_left_out_and_said():
 
 
 def test_points_that_lose_their_distance_on_the_way_pull_no_more():
-    shape = rsym.Shape(sp.sqrt(x) + a - y, (x, y), letters={a: 1})  # (-1/4, 1): beside the end of the line at a = 1 only
+    shape = rsym.Shape(sp.sqrt(x) + a - y, (x, y), letters={a: 1})  # near (-1/4, 1) it ends at a = 1 only
     found = rsym.fit(shape, [[1, 2.5], [4, 3.5], [-0.25, 1], [2, sp.sqrt(2) + 1.5]], [a], length=100)
     assert found.left_out.tolist() == [2]
     assert_close(found.residuals[[0, 1, 3]], [0, 0, 0], atol=1e-9)
