@@ -162,8 +162,7 @@ def asked(case):
         made = case.made()
     told = any("instead of" in str(one.message) for one in caught)
     word = "told" if told else "kept"
-    # Two in space are measured on meshes of cells as wide as the gap between them: what is told may be that.
-    if told != (case.way == "grown" and case.sharp) and not (told and case.dimension == 3 and len(case.steps) > 1):
+    if told != (case.way == "grown" and case.sharp):
         return word, ["told without a reason" if told else "sharp corners are farther away, and nothing says so"]
     points = case.boundary(rsym.compile(made))
     if len(points) < 20:
