@@ -12,17 +12,49 @@ from __future__ import annotations
 import math
 import random
 import warnings
+from typing import NamedTuple
 
 import numpy as np
-from scipy.special import ellipe
+from scipy.special import ellipe, ellipeinc
 
 import rsym
 
 GRID = (3, 2)  # squares of side 2
 PLATE = (6.4, 4.4)
 WITHIN = 1.05  # from the middle of its square all of a feature lies
-CHORDS = 2e-2  # of the length and the area, polygons of a coarse lattice instead of curves
-SMALL = 0.2  # the same of what is smaller than a cell: a few chords for all of it
+ON, OFF = 1e-6, 1e-3  # of an ellipse; of the length and the area
+
+
+class Ellipse(NamedTuple):
+    """An ellipse on the x axis, and what its arcs measure beyond their chords."""
+
+    middle: float
+    a: float
+    b: float
+
+    def beyond(self, line, outside):
+        """Of the segments that end on it; outside where its inside is to their right."""
+        x, y = (line - (self.middle, 0)).T / np.array([[self.a], [self.b]])
+        on = np.abs(np.hypot(x, y) - 1) < ON
+        on = on[1:] & on[:-1]
+        turn = np.unwrap(np.arctan2(y, x))
+        steps = np.diff(turn)[on]
+        arcs = np.abs(np.diff(self._length(turn))[on]) - np.hypot(*np.diff(line, axis=0)[on].T)
+        return arcs.sum(), (self.a * self.b / 2 * np.abs(steps - np.sin(steps))).sum() * (-1 if outside else 1)
+
+    def _length(self, turn):
+        """From turn 0 on."""
+        return self.b * ellipeinc(turn, 1 - (self.a / self.b) ** 2)
+
+    @property
+    def length(self):
+        """All around."""
+        return 4 * self.b * ellipe(1 - (self.a / self.b) ** 2)
+
+    @property
+    def area(self):
+        """Inside."""
+        return math.pi * self.a * self.b
 
 
 class Feature:
@@ -31,15 +63,15 @@ class Feature:
     def __init__(self, chance):
         kind = chance.choice(["ring", "strip", "gap", "oval", "dot", "needle", "contact"])
         self.name, width = kind, 10 ** chance.uniform(-4, -1)
-        self.shape, self.lines, self.length, self.area = getattr(self, f"_{kind}")(chance, width)
-        self.small = kind in ("dot", "oval") and width < 0.1
-        self.shape = self.shape.rotate(chance.uniform(0, 2 * math.pi))
+        self.shape, self.lines, self.length, self.area, *self.ellipses = getattr(self, f"_{kind}")(chance, width)
+        self.turned = chance.uniform(0, 2 * math.pi)
+        self.shape = self.shape.rotate(self.turned)
 
     def _ring(self, chance, width):
         radius = chance.uniform(0.3, 0.85)
-        inner = radius - width
-        shape = rsym.disc(radius) - rsym.disc(inner)
-        return shape, 2, 2 * math.pi * (radius + inner), math.pi * (radius**2 - inner**2)
+        outer, inner = Ellipse(0, radius, radius), Ellipse(0, radius - width, radius - width)
+        shape = rsym.disc(outer.a) - rsym.disc(inner.a)
+        return shape, 2, outer.length + inner.length, outer.area - inner.area, outer, inner
 
     def _strip(self, chance, width):
         side = chance.uniform(0.3, 1.6)
@@ -52,12 +84,12 @@ class Feature:
         return both, 2, 4 * (side + high), 2 * side * high
 
     def _oval(self, chance, width):
-        a, b = chance.uniform(0.1, 0.85), width / 2
-        shape = rsym.ellipse(a, b)
-        return shape, 1, 4 * a * ellipe(1 - (b / a) ** 2), math.pi * a * b
+        oval = Ellipse(0, chance.uniform(0.1, 0.85), width / 2)
+        return rsym.ellipse(oval.a, oval.b), 1, oval.length, oval.area, oval
 
     def _dot(self, chance, width):
-        return rsym.disc(width), 1, 2 * math.pi * width, math.pi * width**2
+        dot = Ellipse(0, width, width)
+        return rsym.disc(width), 1, dot.length, dot.area, dot
 
     def _needle(self, chance, width):
         long = chance.uniform(0.2, 0.8)
@@ -66,8 +98,33 @@ class Feature:
 
     def _contact(self, chance, width):
         one, other = chance.uniform(0.1, 0.4), chance.uniform(0.1, 0.4)
+        both = Ellipse(-one, one, one), Ellipse(other, other, other)
         shape = rsym.disc(one, (-one, 0)) | rsym.disc(other, (other, 0))
-        return shape, None, 2 * math.pi * (one + other), math.pi * (one**2 + other**2)
+        return shape, None, sum(disc.length for disc in both), sum(disc.area for disc in both), *both
+
+    def wrong(self, lines, sign):
+        """What is wrong of lines around it, the area inside times the sign; chords are arcs where they end on one."""
+        if self.lines is not None and len(lines) != self.lines:
+            yield f"{len(lines)} lines for {self.lines}"
+        cosine, sine = math.cos(self.turned), math.sin(self.turned)
+        lines = [line @ np.array([[cosine, -sine], [sine, cosine]]) for line in lines]
+        hole = self.ellipses[1] if self.name == "ring" else None
+        arcs = [one.beyond(line, one is hole) for line in lines for one in self.ellipses]
+        yield from unlike(lines, self.length, self.area, sign, *np.array(arcs).reshape(-1, 2).sum(axis=0))
+
+
+def unlike(lines, length, area, sign, longer=0.0, larger=0.0):
+    """How lines are unlike what is true, area times the sign."""
+    if any(not np.array_equal(line[0], line[-1]) for line in lines):
+        yield "lines end"
+        return
+    found = sum(np.hypot(*np.diff(line, axis=0).T).sum() for line in lines) + longer
+    if abs(found - length) > OFF * length:
+        yield f"length {found:.6g} for {length:.6g}"
+    around = sum((line[:-1, 0] * np.diff(line[:, 1]) - line[:-1, 1] * np.diff(line[:, 0])).sum() / 2 for line in lines)
+    found = sign * around + larger
+    if abs(found - area) > OFF * area:
+        yield f"area {found:.6g} for {area:.6g}"
 
 
 class Thin:
@@ -88,7 +145,9 @@ class Thin:
             body = rsym.rectangle(*PLATE) - body
         turned, self.scale = chance.uniform(0, 2 * math.pi), 10 ** chance.uniform(-2, 2)
         self.moved = np.array([self.scale * chance.uniform(-5, 5) for _ in range(2)])
-        self.frame = self.scale * np.array([[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]])
+        self.frame = self.scale * np.array(
+            [[math.cos(turned), math.sin(turned)], [-math.sin(turned), math.cos(turned)]]
+        )
         self.shape = body.rotate(turned).scale(self.scale).translate(*self.moved)
         self.resolution = chance.choice([16, 24, 24, 50, 100])
         self.cut = chance.random() < 0.15
@@ -122,32 +181,12 @@ class Thin:
             within = min(away) <= WITHIN
             own[self.places[int(np.argmin(away))] if within else None].append(line)
         if self.holes:
-            plate = 1, 2 * sum(PLATE), math.prod(PLATE)
-            yield from ((None, f"plate: {fault}") for fault in unlike(own[None], plate, 1, CHORDS, CHORDS))
+            yield from ((None, f"plate: {one}") for one in unlike(own[None], 2 * sum(PLATE), math.prod(PLATE), 1))
         else:
             yield from ((tuple(line[0]), f"a line too many at {line[0]}") for line in own[None])
         for feature, place in zip(self.features, self.places, strict=True):
-            truth, off = (feature.lines, feature.length, feature.area), SMALL if feature.small else CHORDS
-            for fault in unlike(own[place], truth, -1 if self.holes else 1, off, off):
-                yield place, f"{feature.name}: {fault}"
-
-
-def unlike(lines, truth, sign, *off):
-    """How lines are unlike what is true, area times the sign."""
-    count, *sizes = truth
-    if count is not None and len(lines) != count:
-        yield f"{len(lines)} lines for {count}"
-    if any(not np.array_equal(line[0], line[-1]) for line in lines):
-        yield "lines end"
-        return
-    steps = [np.diff(line, axis=0) for line in lines]
-    length = sum(np.hypot(*step.T).sum() for step in steps)
-    area = sign * sum(
-        (line[:-1, 0] * step[:, 1] - line[:-1, 1] * step[:, 0]).sum() / 2 for line, step in zip(lines, steps, strict=True)
-    )
-    for what, found, true, part in zip(("length", "area"), (length, area), sizes, off, strict=True):
-        if abs(found - true) > part * true:
-            yield f"{what} {found:.6g} for {true:.6g}"
+            lines = [line - place for line in own[place]]
+            yield from ((place, f"{feature.name}: {one}") for one in feature.wrong(lines, -1 if self.holes else 1))
 
 
 case = Thin

@@ -99,8 +99,9 @@ class Drawn(random.Random):
 
 def asked(case):
     """What was asked, and what is said of the shape and is not so of its twin."""
-    space = case.plain.dimension == 3
-    often = {measured: 1, sampled: 3, judged: 2, meshed: 5, rays: 5} if space else {measured: 3, sampled: 3, judged: 1, lines: 4}
+    often = {measured: 3, sampled: 3, judged: 1, lines: 4}
+    if case.plain.dimension == 3:
+        often = {measured: 1, sampled: 3, judged: 2, meshed: 5, rays: 5}
     chance = random.Random(case.seed)
     first = chance.choices([*often], [*often.values()])[0]
     weights = {ask: weight for ask, weight in often.items() if ask is not first}
