@@ -2,7 +2,8 @@
 
 Intervals exclude most cells: the form has one sign all over them. The others are looked at on a finer lattice.
 A cell is seen if either side has one piece in it, no hole, and a sample of the lattice in its own corners or, where a
-line bulges through a side, so have it and the neighbour that the line comes from together. Where cells are not seen,
+line bulges through a side, so have it and the neighbour that the line comes from together; and if a line goes nowhere
+farther than a part of the cell from its chord there. Where cells are not seen,
 they and those around them are cut in smaller ones, and these again, up to a limit; lines run through all sizes of them.
 """
 
@@ -12,6 +13,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.isolines import index_lines, lines_through
@@ -19,6 +22,7 @@ from rsym.sampling.lattice import Lattice
 from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
 PARTS = 8  # of the side of a cell that is looked at
+BULGE = 2.5  # of these a line may go beyond its chord in a cell, or beyond the cell
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
 TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
@@ -34,12 +38,14 @@ _CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
 class SeenLines(NamedTuple):
     """Lines by the middles (n, 2) of the sides that they cross, in indices; how many cells are unseen, and where.
 
+    Of those that lie together one place is told.
+
     Not `examined` are forms without bounds, and those that have none in too many cells.
     """
 
     lines: list[Floats]
     unseen: int = 0
-    place: tuple[float, float] | None = None
+    places: tuple[tuple[float, float], ...] = ()
     finer: float = 0.0
     examined: bool = True
 
@@ -87,7 +93,7 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
     cells = _on_lattice(open_cells, signs > 0)
     forced, loose = [np.empty((0, 2), np.int64)] * DEPTH, np.empty((0, 2), np.int64)
     for attempt in range(TRIES):
-        small, cut, unseen, place, size = _descended(leaves, lattice, cells, forced)
+        small, cut, unseen, places, size = _descended(leaves, lattice, cells, forced)
         if small is None:
             return SeenLines(plain)
         apart = _elsewhere(signs > 0, known, cut)
@@ -99,8 +105,10 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
         forced = [np.concatenate([old, _larger(loose, depth, 2**attempt)]) for depth, old in enumerate(forced)]
     lines = [line / UNIT for line in lines_through(every.sides, every.high)]
     if len(loose) and not unseen:
-        unseen, place, size = len(loose), lattice.points(loose[0] / UNIT), max(lattice.spacing) / PARTS**DEPTH
-    return SeenLines(lines, unseen, (float(place[0]), float(place[1])) if unseen else None, size if unseen else 0.0)
+        unseen, places, size = len(loose), loose / UNIT, max(lattice.spacing) / PARTS**DEPTH
+    if not unseen:
+        return SeenLines(lines)
+    return SeenLines(lines, unseen, tuple((float(a), float(b)) for a, b in lattice.points(_apart(places))), size)
 
 
 def _descended(
@@ -108,16 +116,15 @@ def _descended(
 ) -> tuple[_Cells | None, Ints, int, Floats, float]:
     """Cells cut until what they hold is seen, None if nothing is; which of the first are cut; what stays unseen.
 
-    That is told by the number of cells, the middle of the first and the size. At each depth those `forced` are cut too.
+    That is told by the number of cells, their middles in indices, their size. At each depth those `forced` are cut too.
     """
     finer = lattice
     looked, found = _look(leaves, finer, cells, forced[0])
     cut, done = looked.first[found.cut], []
     if not found.unseen.any():
-        return None, cut, 0, np.zeros(2), 0.0
+        return None, cut, 0, np.empty((0, 2)), 0.0
     for depth in range(1, DEPTH + 1):
-        unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
-        place = finer.points(looked.first[found.unseen][:1] + 0.5)
+        size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS ** (depth - 1)
         cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
         if len(cells.first) * leaves.operations > WORK:
             break
@@ -125,13 +132,22 @@ def _descended(
         if np.count_nonzero(undecided) > MOST:
             break
         looked, found = _look(leaves, finer, cells.take(undecided), forced[depth] if depth < DEPTH else cut[:0])
-        unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
-        place = finer.points(looked.first[found.unseen][:1] + 0.5)
+        size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS**depth
         if not found.cut.any() or depth == DEPTH:
             break
         done.append(cells.take(_number(looked.first[found.cut], cells.first) < 0))
     every = _Cells(*(np.concatenate(parts) for parts in zip(*done, cells, strict=True)))
-    return every, cut, unseen, place[0] if len(place) else np.zeros(2), size
+    return every, cut, len(places), places, size
+
+
+def _apart(index: Floats) -> Floats:
+    """Of places (n, 2) in indices the first of each heap of cells of the lattice that lie side by side."""
+    cells, own = np.unique(np.floor(index).astype(np.int64), axis=0, return_inverse=True)
+    near = _number(cells, (cells[:, None] + _AROUND).reshape(-1, 2))
+    pairs = np.stack([np.repeat(np.arange(len(cells)), len(_AROUND)), near])[:, near >= 0]
+    links = coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(len(cells), len(cells)))
+    heap = connected_components(links, directed=False)[1][own.ravel()]
+    return index[np.sort(np.unique(heap, return_index=True)[1])]
 
 
 def _loose(cells: _Cells, lattice: Lattice) -> Ints:
@@ -251,7 +267,8 @@ def _look_at(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, 
     values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
     known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
-    unseen = np.asarray((_hidden(high, cells) | _doubtful(leaves, lattice, cells, high, wild)) & known & wild)
+    hidden = _hidden(high, cells) | _far(high) | _doubtful(leaves, lattice, cells, high, wild)
+    unseen = np.asarray(hidden & known & wild)
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
     cut = np.asarray(_grown(unseen, cells.first))
     must = _number(cells.first, forced)
@@ -367,7 +384,8 @@ def _hidden(high: Flags, cells: _Cells) -> Flags:
     hidden |= bulge.any(axis=(1, 2))
     for axis in (1, 2):
         for end in (0, -1):
-            own = np.flatnonzero(simple & bulge.take(end, axis).any(axis=1))
+            inner = np.delete(bulge, np.arange(int(BULGE) + 1) if end == 0 else -1 - np.arange(int(BULGE) + 1), axis)
+            own = np.flatnonzero(simple & bulge.take(end, axis).any(axis=1) & ~inner.any(axis=(1, 2)))
             beside = cells.first[own] + (1 if end else -1) * (np.arange(2) == axis - 1)
             other = _number(cells.first, beside)
             own, other = own[other >= 0], other[other >= 0]
@@ -376,3 +394,27 @@ def _hidden(high: Flags, cells: _Cells) -> Flags:
             one = (_pieces(both) == 1) & (_pieces(~both) == 1) & crossed[other]
             hidden[own[one]] = hidden[other[one]] = False
     return np.asarray(hidden)
+
+
+def _far(high: Flags) -> Flags:
+    """In which cells a sample lies far on the wrong side of the chord between the sides that the line crosses."""
+    at = np.indices(high.shape[1:])
+    crossed = np.zeros((*high.shape[:1], 4), np.bool_)
+    places = np.zeros((*crossed.shape, 2))
+    for side, (axis, end) in enumerate(((0, 0), (0, PARTS), (1, 0), (1, PARTS))):
+        samples = high.take(end, 1 + axis)
+        crossed[:, side] = samples[:, 0] != samples[:, -1]
+        places[:, side, axis] = end
+        places[:, side, 1 - axis] = np.argmax(samples != samples[:, :1], axis=1) - 0.5
+    two = np.flatnonzero(np.count_nonzero(crossed, axis=1) == 2)
+    start, end = places[two][crossed[two]].reshape(-1, 2, 2).transpose(1, 0, 2)
+    (p, q), length = (end - start).T, np.linalg.norm(end - start, axis=1)
+    away = p[:, None, None] * (at[1] - start[:, 1, None, None]) - q[:, None, None] * (at[0] - start[:, 0, None, None])
+    away /= length[:, None, None]
+    corners = away[:, [0, 0, -1, -1], [0, -1, 0, -1]]
+    largest, own = np.argmax(np.abs(corners), axis=1), np.arange(len(two))
+    above = high[two][:, [0, 0, -1, -1], [0, -1, 0, -1]][own, largest]
+    away *= np.where((corners[own, largest] > 0) == above, 1, -1)[:, None, None]
+    far = np.zeros(len(high), np.bool_)
+    far[two] = ((np.abs(away) > BULGE) & ((away > 0) != high[two])).any(axis=(1, 2))
+    return far

@@ -166,7 +166,7 @@ class Thin:
                 lines = section.lines
             else:
                 lines = rsym.level_lines(self.shape, resolution=self.resolution)
-        told = [self.back(np.array([lines.status.place]))[0]] if said and lines.status.place else []
+        told = self.back(np.array(lines.status.places).reshape(-1, 2)) if said else []
         return [self.back(line) for line in lines], told, [str(one.message) for one in said]
 
     def back(self, points):
