@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError, warn
 from rsym.logic.lifting import opened
-from rsym.logic.sign_form import surface_form
+from rsym.logic.sign_form import SignForm, surface_form
 from rsym.model.bounding import checked_bounds, hull, outwards
 from rsym.model.recent import recently, written
 from rsym.model.requirements import require_shape
@@ -95,7 +95,7 @@ def proved_signs(shape: Shape, letters: Mapping[Any, float] | None = None) -> Fo
 
 @recently(16, written)
 def _leaf_bounds(shape: Shape) -> LeafBounds:
-    form = opened(surface_form(shape))
+    form = _form(shape)
     try:
         from rsym.sampling.kernels.mesher_kernels import backend_for
         from rsym.sampling.regions.region_signs import TapedBounds
@@ -158,7 +158,8 @@ def bounds_or_extent(
 def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any]]) -> Bounds:
     """As `bounds_or_extent`, for proofs at ranges of letters: floats that hold the exact numbers of a window.
 
-    Over ranges the box is that around both ends and the middle: a window, which holds the boundary there alone.
+    Over ranges the box is that around both ends and the middle, if it is proved to hold the boundary at all letters
+    between, else around what does; where nothing is proved it is a window (`holds_at_all`).
 
     Raises
     ------
@@ -184,7 +185,30 @@ def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any
     boxes = [bounds_or_extent(shape, None, place) for place in places]
     found = hull(boxes)
     assert found is not None
+    if len(places) > 1 and not holds_at_all(shape, found, letters):
+        with suppress(RsymError):
+            found = hull([found, extent_of(FormSigns(FormBounds(_form(shape)), letters))]) or found
     return found
+
+
+def holds_at_all(shape: Shape, bounds: Bounds, letters: Mapping[str, tuple[Any, Any]]) -> bool:
+    """Whether it is proved that bounds hold the boundary at all letters between ends.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> import sympy as sp
+    >>> from rsym import x, y
+    >>> a = sp.Symbol("a", real=True)
+    >>> disc = rsym.disc(sp.Rational(1, 2), (4 * a * (1 - a), 0), letters={a: 0})
+    >>> [holds_at_all(disc, ((-1, right), (-1, 1)), {"a": (0, 1)}) for right in (1, 5)]
+    [False, True]
+    """
+    return holds_boundary(FormSigns(FormBounds(_form(shape)), letters), bounds)
+
+
+def _form(shape: Shape) -> SignForm:
+    return opened(surface_form(shape))
 
 
 def surrounded(bounds: Bounds, room: float) -> Bounds:

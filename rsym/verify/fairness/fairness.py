@@ -11,6 +11,7 @@ import numpy as np
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.equation import with_exact_letters
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
 from rsym.reports.words import plural
@@ -98,6 +99,7 @@ def fairness(
     require_shape(shape)
     require_positive("tolerance", tolerance, "for example 0.01")
     require_count("budget", budget, f"for example {BUDGET}")
+    shape, letters = with_exact_letters(shape, letters)
     values = ranges_of(shape.letters, letters)
     ranging = [name for name, (low, high) in values.items() if low != high]
     if ranging:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate
+from rsym.model.equation import with_exact_letters
 from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
@@ -109,6 +110,7 @@ def verify_normalisation(
     ('CERTIFIED', True)
     """
     _check(shape, order, tolerance)
+    shape, letters = with_exact_letters(shape, letters)
     effort = Effort(progress, timeout)
     box: Box = outer_bounds(shape, bounds, ranges_of(shape.letters, letters))
     derivatives = NormalDerivatives(_model(shape, letters), order)
