@@ -157,19 +157,7 @@ def bounds_or_extent(
 
 
 def check_letters(shape: Shape, *places: Mapping[Any, float] | None) -> None:
-    """Refuse letters with which an R-operation of a shape has no value: there is nothing to be looked at.
-
-    Examples
-    --------
-    >>> import rsym, sympy as sp
-    >>> from rsym import x, y
-    >>> p = sp.Symbol("p", real=True)
-    >>> corner = rsym.Shape(rsym.Rp(p).conjunction(x, y), (x, y), letters={p: 3}, bounds=((-1, 1), (-1, 1)))
-    >>> rsym.level_lines(corner, letters={"p": 1})
-    Traceback (most recent call last):
-    ...
-    rsym.errors.RsymError: a parameter of rp_conjunction is 1.0, out of its range, with p = 1; remedy: ...
-    """
+    """Refuse letters with which an R-operation of a shape has no value: there is nothing to be looked at."""
     require_shape(shape)
     for place in places if shape.letters else ():
         check_parameters(surface_form(shape), shape.letters.values_with(place))
