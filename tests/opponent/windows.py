@@ -14,7 +14,7 @@ import sympy as sp
 
 import rsym
 from rsym import x, y, z
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 STEP = 1e-6  # across the boundary of a piece, relative to how far it is away
 FAR = 1e6  # beyond all bounded pieces
