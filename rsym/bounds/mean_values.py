@@ -19,7 +19,9 @@ The theorem needs f to be Lipschitz in v along the side, with derivatives almost
 everywhere inside the images of the rules: true of the operations in SMOOTH, whose
 kinks have both slopes in the image and whose poles and ends of domain put a
 division by an interval with 0 into the derivative. It is not true of jumps
-(sign, select, atan2), so what holds one is left as it is.
+(sign, select, atan2), so what holds one is left as it is; but an atan2 whose
+first operand is never negative touches its cut from one side, and jumps in its
+pole alone: boxes that may hold that are left.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rsym.bounds.box_images import BoxImages
-from rsym.bounds.interval_arithmetic import Interval, greatest, least, negative, product, total
+from rsym.bounds.interval_arithmetic import Interval, greatest, least, negative, product, sizes, total
 from rsym.bounds.relations import relation
 from rsym.program.builder import HALF, Builder
 from rsym.program.differentiation import derivative
@@ -60,9 +62,26 @@ def sharpen(images: BoxImages, numbers: Iterable[int]) -> None:
     """Intersect the images of these nodes with their mean-value form, where it can be tighter."""
     b = images.source
     for number in sorted(numbers):
-        names = repeated(b.nodes, number, b.coordinates)
-        if names and all(b.nodes[k].operation in SMOOTH for k in live(b.nodes, [number])):
-            images.images[number] = _intersection(images.target, images[number], _mean_value(images, number, names))
+        names, poles = repeated(b.nodes, number, b.coordinates), _poles(b, number)
+        if names and poles is not None:
+            image = _mean_value(images, number, names)
+            for pole in poles:
+                image = _off(images, pole, image)
+            images.images[number] = _intersection(images.target, images[number], image)
+
+
+def _poles(b: Builder, number: int) -> Sequence[Sequence[int]] | None:
+    """The operands of each atan2 in a node, the first of them not negative; None where it has other jumps."""
+    nodes = [b.nodes[k] for k in live(b.nodes, [number]) if b.nodes[k].operation not in SMOOTH]
+    known = all(node.operation == "atan2" and b.nonnegative[node.arguments[0]] for node in nodes)
+    return [node.arguments for node in nodes] if known else None
+
+
+def _off(box: BoxImages, pole: Sequence[int], image: Interval) -> Interval:
+    """The image where one of the two operands of an atan2, the first not negative, is 0 nowhere; else NaN."""
+    b, (u, v) = box.target, (box[operand] for operand in pole)
+    far = greatest(b, u.lower, sizes(b, v).lower)
+    return Interval(*(b.select(far, b.const(0), end, b.undefined()) for end in (image.lower, image.upper)))
 
 
 def _mean_value(box: BoxImages, number: int, names: Sequence[str]) -> Interval:
