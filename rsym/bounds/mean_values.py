@@ -29,6 +29,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rsym.bounds.box_images import BoxImages
+from rsym.bounds.cancellations import cancelled
 from rsym.bounds.interval_arithmetic import Interval, greatest, least, negative, product, sizes, total
 from rsym.bounds.relations import relation
 from rsym.program.builder import HALF, Builder
@@ -64,10 +65,19 @@ def sharpen(images: BoxImages, numbers: Iterable[int]) -> None:
     for number in sorted(numbers):
         names, poles = repeated(b.nodes, number, b.coordinates), _poles(b, number)
         if names and poles is not None:
+            # An angle is steep: first what it is made of.
+            inner = {_within_abs(b, operand) for pole in poles for operand in pole}
+            sharpen(images, inner - images.images.keys())
             image = _mean_value(images, number, names)
             for pole in poles:
                 image = _off(images, pole, image)
             images.images[number] = _intersection(images.target, images[number], image)
+
+
+def narrowed(images: BoxImages, number: int) -> Interval:
+    """The image of a node; where terms of a slope cancel, without what they have in common."""
+    other = cancelled(images.source, number)
+    return images[number] if other is None else _intersection(images.target, images[other], images[number])
 
 
 def _poles(b: Builder, number: int) -> Sequence[Sequence[int]] | None:
@@ -75,6 +85,11 @@ def _poles(b: Builder, number: int) -> Sequence[Sequence[int]] | None:
     nodes = [b.nodes[k] for k in live(b.nodes, [number]) if b.nodes[k].operation not in SMOOTH]
     known = all(node.operation == "atan2" and b.nonnegative[node.arguments[0]] for node in nodes)
     return [node.arguments for node in nodes] if known else None
+
+
+def _within_abs(b: Builder, number: int) -> int:
+    operation, arguments, _ = b.nodes[number]
+    return arguments[0] if operation == "abs" else number
 
 
 def _off(box: BoxImages, pole: Sequence[int], image: Interval) -> Interval:
@@ -91,7 +106,7 @@ def _mean_value(box: BoxImages, number: int, names: Sequence[str]) -> Interval:
     )
     image = centre[number]
     for name, c in middles.items():
-        slope = box[derivative(box.source, number, name)]
+        slope = narrowed(box, derivative(box.source, number, name))
         image = total(box.target, image, product(box.target, slope, _offset(box.target, box.side(name), c)))
     return image
 
