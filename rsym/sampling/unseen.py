@@ -13,12 +13,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.isolines import index_lines, lines_through
-from rsym.sampling.lattice import Lattice
+from rsym.sampling.isolines import beyond_chords, index_lines, lines_through, pieces
+from rsym.sampling.lattice import AROUND, Lattice, heaps, numbers_of
 from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
 PARTS = 8  # of the side of a cell that is looked at
@@ -31,7 +29,6 @@ UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides ar
 _TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
 _BEYOND = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 _MIDDLES = _BEYOND + 1  # of a side, in halves of a cell
-_AROUND = np.indices((3, 3)).reshape(2, -1).T - 1
 _CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
 
 
@@ -115,7 +112,7 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
         unseen, places, size = len(loose), loose / UNIT, max(lattice.spacing) / PARTS**DEPTH
     if not unseen:
         return SeenLines(lines)
-    return SeenLines(lines, unseen, tuple((float(a), float(b)) for a, b in lattice.points(_apart(places))), size)
+    return SeenLines(lines, unseen, tuple((float(a), float(b)) for a, b in lattice.points(heaps(places))), size)
 
 
 def _descended(
@@ -143,19 +140,9 @@ def _descended(
         size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS**depth
         if not found.cut.any() or depth == DEPTH:
             break
-        done.append(cells.take(_number(looked.first[found.cut], cells.first) < 0))
+        done.append(cells.take(numbers_of(looked.first[found.cut], cells.first) < 0))
     every = _Cells(*(np.concatenate(parts) for parts in zip(*done, cells, strict=True)))
     return every, cut, len(places), places, size
-
-
-def _apart(index: Floats) -> Floats:
-    """Of places (n, 2) in indices the first of each heap of cells of the lattice that lie side by side."""
-    cells, own = np.unique(np.floor(index).astype(np.int64), axis=0, return_inverse=True)
-    near = _number(cells, (cells[:, None] + _AROUND).reshape(-1, 2))
-    pairs = np.stack([np.repeat(np.arange(len(cells)), len(_AROUND)), near])[:, near >= 0]
-    links = coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(len(cells), len(cells)))
-    heap = connected_components(links, directed=False)[1][own.ravel()]
-    return index[np.sort(np.unique(heap, return_index=True)[1])]
 
 
 def _loose(cells: _Cells, lattice: Lattice) -> Ints:
@@ -256,13 +243,13 @@ def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: fl
 def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints) -> tuple[_Cells, _Found]:
     """What cells hold between their corners: those that were looked at, and what was found in them."""
     wild = _wild(leaves, lattice, every)
-    must = _number(every.first, forced)
+    must = numbers_of(every.first, forced)
     wild[must[must >= 0]] = True
     while True:
         cells, found = _look_at(leaves, lattice, every, wild, forced)
         # A side to a cell that is not to be cut is plain.
         beside = (cells.first[:, None] + _BEYOND)[found.cut[:, None] & ~found.plain]
-        missed = _number(every.first, beside[_number(cells.first, beside) < 0])
+        missed = numbers_of(every.first, beside[numbers_of(cells.first, beside) < 0])
         if not (missed >= 0).any():
             return cells, found
         wild[missed[missed >= 0]] = True
@@ -277,11 +264,11 @@ def _look_at(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, 
     values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
     known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
-    hidden = _hidden(high, cells) | _far(high) | _doubtful(leaves, lattice, cells, high, wild)
+    hidden = _hidden(high, cells) | beyond_chords(high, BULGE) | _doubtful(leaves, lattice, cells, high, wild)
     unseen = np.asarray(hidden & known & wild)
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
     cut = np.asarray(_grown(unseen, cells.first))
-    must = _number(cells.first, forced)
+    must = numbers_of(cells.first, forced)
     cut[must[must >= 0]] = True
     cut &= known
     ends = np.stack([high[:, 0], high[:, -1], high[:, :, 0], high[:, :, -1]], axis=1)
@@ -334,7 +321,7 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
     corners = np.stack([high[:, :-1, :-1], high[:, :-1, 1:], high[:, 1:, :-1], high[:, 1:, 1:]])
     crossed[:, 1:-1, 1:-1] = corners.any(axis=0) & ~corners.all(axis=0)
     near = np.repeat(~wild, PARTS**2).reshape(-1, PARTS, PARTS)
-    for down, right in _AROUND + 1:
+    for down, right in AROUND + 1:
         near |= crossed[:, down : down + PARTS, right : right + PARTS]
     own, size = np.flatnonzero(~near.all(axis=(1, 2))), PARTS
     rest = np.zeros((len(own), 2), np.int64)
@@ -348,7 +335,7 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
         own, rest = own[some], rest[some]
     rest += PARTS * cells.first[own]
     parts = PARTS * cells.first[:, None, None] + np.moveaxis(np.indices((PARTS, PARTS)), 0, -1)
-    beside = _number(parts[crossed[:, 1:-1, 1:-1]], (rest[:, None] + _AROUND).reshape(-1, 2)).reshape(-1, 9)
+    beside = numbers_of(parts[crossed[:, 1:-1, 1:-1]], (rest[:, None] + AROUND).reshape(-1, 2)).reshape(-1, 9)
     doubtful = np.zeros(len(high), np.bool_)
     doubtful[own[(beside < 0).all(axis=1)]] = True
     return doubtful
@@ -356,83 +343,39 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
 
 def _beside(cells: Ints) -> Ints:
     """Which cells (k, 4) lie across the sides of each, -1 for none."""
-    return _number(cells, (cells[:, None] + _BEYOND).reshape(-1, 2)).reshape(-1, 4)
-
-
-def _number(cells: Ints, wanted: Ints) -> Ints:
-    """Which of the cells those that are wanted are; -1 for others."""
-    if not len(cells):
-        return np.full(len(wanted), -1)
-    low, width = cells.min(axis=0) - 1, int(np.ptp(cells[:, 1])) + 3
-    wanted = np.clip(wanted, low, cells.max(axis=0) + 1)
-    key, asked = ((some - low) @ np.array([width, 1]) for some in (cells, wanted))
-    order = np.argsort(key)
-    place = np.minimum(np.searchsorted(key[order], asked), len(key) - 1)
-    return np.asarray(np.where(key[order[place]] == asked, order[place], -1))
+    return numbers_of(cells, (cells[:, None] + _BEYOND).reshape(-1, 2)).reshape(-1, 4)
 
 
 def _grown(some: Flags, cells: Ints) -> Flags:
     """Some of the cells, and those around them."""
     grown = some.copy()
-    near = _number(cells, (cells[some][:, None] + _AROUND).reshape(-1, 2))
+    near = numbers_of(cells, (cells[some][:, None] + AROUND).reshape(-1, 2))
     grown[near[near >= 0]] = True
     return grown
-
-
-def _pieces(inside: Flags) -> Ints:
-    """The pieces less the holes of sets of points (k, m, m): vertices less edges and squares."""
-    across, along = inside[:, 1:] & inside[:, :-1], inside[:, :, 1:] & inside[:, :, :-1]
-    squares = across[:, :, 1:] & across[:, :, :-1]
-    counts = [np.count_nonzero(one, axis=(1, 2)) for one in (inside, across, along, squares)]
-    return np.asarray(counts[0] - counts[1] - counts[2] + counts[3])
 
 
 def _hidden(high: Flags, cells: _Cells) -> Flags:
     """Which cells hold more than their corners say."""
     corners = high[:, [0, 0, -1, -1], [0, -1, 0, -1]]
     crossed = ~(corners == corners[:, :1]).all(axis=1)
-    above, below = _pieces(high), _pieces(~high)
+    above, below = pieces(high), pieces(~high)
     saddle = (corners[:, 0] == corners[:, 3]) & (corners[:, 1] == corners[:, 2]) & (corners[:, 0] != corners[:, 1])
     # The lines keep the high ones of a saddle apart.
     alone = (above + below == 1) & ~crossed
     simple = ((below == 1) & (above == np.where(saddle, 2, 1))) | alone
     hidden = ~simple
     # A line that bulges into a cell without a sample on its other side is seen if it and the cell beside are one.
-    bulge = (high != corners[:, :1, None]) & ~crossed[:, None, None]
+    bulge = np.asarray((high != corners[:, :1, None]) & ~crossed[:, None, None])
     hidden |= bulge.any(axis=(1, 2))
     for axis in (1, 2):
         for end in (0, -1):
             inner = np.delete(bulge, np.arange(int(BULGE) + 1) if end == 0 else -1 - np.arange(int(BULGE) + 1), axis)
             own = np.flatnonzero(simple & bulge.take(end, axis).any(axis=1) & ~inner.any(axis=(1, 2)))
             beside = cells.first[own] + (1 if end else -1) * (np.arange(2) == axis - 1)
-            other = _number(cells.first, beside)
+            other = numbers_of(cells.first, beside)
             own, other = own[other >= 0], other[other >= 0]
             pair = (high[other], high[own]) if end == 0 else (high[own], high[other])
             both = np.concatenate([pair[0], pair[1].take(np.arange(1, high.shape[axis]), axis)], axis=axis)
-            one = (_pieces(both) == 1) & (_pieces(~both) == 1) & crossed[other]
+            one = (pieces(both) == 1) & (pieces(~both) == 1) & crossed[other]
             hidden[own[one]] = hidden[other[one]] = False
     return np.asarray(hidden)
-
-
-def _far(high: Flags) -> Flags:
-    """In which cells a sample lies far on the wrong side of the chord between the sides that the line crosses."""
-    at = np.indices(high.shape[1:])
-    crossed = np.zeros((*high.shape[:1], 4), np.bool_)
-    places = np.zeros((*crossed.shape, 2))
-    for side, (axis, end) in enumerate(((0, 0), (0, PARTS), (1, 0), (1, PARTS))):
-        samples = high.take(end, 1 + axis)
-        crossed[:, side] = samples[:, 0] != samples[:, -1]
-        places[:, side, axis] = end
-        places[:, side, 1 - axis] = np.argmax(samples != samples[:, :1], axis=1) - 0.5
-    two = np.flatnonzero(np.count_nonzero(crossed, axis=1) == 2)
-    start, end = places[two][crossed[two]].reshape(-1, 2, 2).transpose(1, 0, 2)
-    (p, q), length = (end - start).T, np.linalg.norm(end - start, axis=1)
-    away = p[:, None, None] * (at[1] - start[:, 1, None, None]) - q[:, None, None] * (at[0] - start[:, 0, None, None])
-    away /= length[:, None, None]
-    corners = away[:, [0, 0, -1, -1], [0, -1, 0, -1]]
-    largest, own = np.argmax(np.abs(corners), axis=1), np.arange(len(two))
-    above = high[two][:, [0, 0, -1, -1], [0, -1, 0, -1]][own, largest]
-    away *= np.where((corners[own, largest] > 0) == above, 1, -1)[:, None, None]
-    far = np.zeros(len(high), np.bool_)
-    far[two] = ((np.abs(away) > BULGE) & ((away > 0) != high[two])).any(axis=(1, 2))
-    return far
