@@ -261,7 +261,7 @@ class Labeller:
     def _values(self, points: Floats) -> tuple[Floats, Floats]:
         """The values (k, n) and gradients (k, dim, n) of all leaves at points (n, dim)."""
         kernel = _leaf_kernel(self.shape)
-        given = kernel.letters.values_with(self.letters)
+        given = self.shape.letters.values_with(self.letters)  # those of the kernel are of the shape it was made for
         out = np.empty((len(kernel.program.outputs), len(points)))
         letters = [given[name] for name in kernel.program.letters]
         run_in_blocks(kernel.function, list(points.T.copy()), letters, out, kernel.threads)
