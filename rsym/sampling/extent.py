@@ -130,7 +130,8 @@ def bounds_or_extent(
     Raises
     ------
     RsymError
-        ``unbounded`` where the boundary goes on without end and no window is stated.
+        ``unbounded`` where the boundary goes on without end and no window is stated; ``parameter`` for letters with
+        which an R-operation has no value.
 
     Examples
     --------
@@ -141,7 +142,7 @@ def bounds_or_extent(
     >>> bounds_or_extent(rsym.disc(1), None)
     ((-1.2, 1.2), (-1.2, 1.2))
     """
-    require_shape(shape)
+    check_letters(shape, letters)
     if bounds is not None:
         return checked_bounds(bounds, shape.dimension)
     if shape.bounds is not None:
@@ -153,6 +154,13 @@ def bounds_or_extent(
             f"it is not proved that the boundary lies within {ends}, where it is sought; bounds=... says where to look"
         )
     return surrounded(found, room) if how == "found" else found
+
+
+def check_letters(shape: Shape, *places: Mapping[Any, float] | None) -> None:
+    """Refuse letters with which an R-operation of a shape has no value: there is nothing to be looked at."""
+    require_shape(shape)
+    for place in places if shape.letters else ():
+        check_parameters(surface_form(shape), shape.letters.values_with(place))
 
 
 def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any]]) -> Bounds:
@@ -172,13 +180,9 @@ def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any
     >>> outer_bounds(rsym.loads("bounds x [-1, 0.6] y [-1, 1]; omega = 0.6 - x"), None, {})
     ((-1.0, 0.6000000000000001), (-1.0, 1.0))
     """
-    require_shape(shape)
     shares = {0 if low == high else share for low, high in letters.values() for share in SHARES} or {0}
     places = [{name: float(low + share * (high - low)) for name, (low, high) in letters.items()} for share in shares]
-    if letters:
-        form = surface_form(shape)
-        for place in places:
-            check_parameters(form, place)
+    check_letters(shape, *places)
     stated = bounds if bounds is not None or shape.bounds is None or shape.box is None else shape.box.exact
     if stated is not None:
         return outwards(stated, shape.dimension)
