@@ -8,7 +8,6 @@ from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats
@@ -117,7 +116,9 @@ def _pair(name: str, value: Any) -> tuple[Any, Any]:
         raise RsymError(f"the range of {name} is empty: {low} > {high}", code="number", remedy="(low, high)")
     ends = [exact_number(end, what) for end in value]
     beyond = [math.nextafter(end, way) for end, way in ((low, -math.inf), (high, math.inf))]
-    first, last = (wide if isinstance(end, sp.Expr) else end for end, wide in zip(ends, beyond, strict=True))
+    first, last = (
+        end if isinstance(end, int | float | Fraction) else wide for end, wide in zip(ends, beyond, strict=True)
+    )
     return first, last
 
 

@@ -11,8 +11,8 @@ from rsym.errors import RsymError
 from rsym.model.equation import with_exact_letters
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
-from rsym.sampling.extent import goes_beyond, holds_at_all, outer_bounds
 from rsym.sampling.progress import Effort, Progress
+from rsym.sampling.windows import goes_beyond, holds_at_all, outer_bounds
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.bodies import BUDGET as BODY_BUDGET

@@ -10,7 +10,7 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import x, y
 from rsym.errors import RsymError
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 A = sp.Symbol("a", real=True)
 NAIL = rsym.sphere(1) | (rsym.cylinder(sp.Rational(1, 2)) & rsym.slab(3, 6))  # the rod does not touch the ball

@@ -16,8 +16,8 @@ from rsym.model.requirements import require_count, require_positive, require_sha
 from rsym.model.shape import Shape
 from rsym.reports.words import plural
 from rsym.sampling.combs import combs
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.progress import Effort, Progress, Stages
+from rsym.sampling.windows import bounds_or_extent
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.boxes.local import Box, Interval, Model
