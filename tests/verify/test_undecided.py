@@ -155,7 +155,7 @@ BESIDE = (sp.Rational(3, 2), 0)
         (rsym.disc(TINY, (sp.sqrt(2), sp.Rational(1, 3))), "CERTIFIED"),
         (rsym.rectangle(TINY, TINY, BESIDE), "REFUTED"),
         (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + TINY, 0)), "REFUTED"),
-        (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + 2 * TINY, 0)), "UNDECIDED"),
+        (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + 2 * TINY, 0)), "DEGENERATE"),
         (rsym.Shape(-((x - sp.Rational(3, 2)) ** 2) - y**2, (x, y)), "DEGENERATE"),
     ],
     ids=["disc", "irrational", "square", "overlap", "touching", "point"],
