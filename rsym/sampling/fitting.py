@@ -33,10 +33,10 @@ from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.reports.words import listed
 from rsym.sampling.boundary_distances import Distances, boundary_distances
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.fit_report import Fit
 from rsym.sampling.plane import plane_section
 from rsym.sampling.silhouettes import lines_of_sight
+from rsym.sampling.windows import bounds_or_extent
 
 EVALUATIONS = 200  # of the residuals in one search; the fits of the tests take below 30
 TOLERANCE = 1e-12  # relative change of the sum, of the letters, and size of the gradient at which a search ends

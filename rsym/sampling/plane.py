@@ -21,9 +21,9 @@ from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
 from rsym.program.calculus import SCALARS
 from rsym.program.fields import program_of
-from rsym.sampling.extent import bounds_or_extent, check_letters
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.memory import Demand
+from rsym.sampling.windows import bounds_or_extent, check_letters
 
 # Of one field that is drawn, measured on a section of the car at 4000 cells.
 SAMPLES = Demand(memory=85.0, time=4e-7)
