@@ -18,7 +18,7 @@ from rsym.errors import RsymError, warn
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
-from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of
+from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of, level_leaves
 from rsym.sampling.roots import bracketed_roots
 from rsym.sampling.unseen import edges_of, seen_lines
 
@@ -26,9 +26,9 @@ from rsym.sampling.unseen import edges_of, seen_lines
 SMOOTH_JOINT = 1e-2
 
 
-def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
+def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
     """The lines omega = 0 of a prepared plane; what is thinner than a cell is looked for."""
-    signs = _defined(sampler.signs())
+    signs = _defined(sampler.signs() if signs is None else signs)
     seen = seen_lines(sampler.lattice, signs, leaves)
     found = _on_leaves(sampler, leaves, signs, seen.lines)[0]
     told = {name: getattr(seen, name) for name in ("unseen", "place", "finer", "examined")}
@@ -47,9 +47,9 @@ def known_outline(sampler: PlaneSampler, *, cut: bool) -> LevelLines:
     return replace(found, status=replace(found.status, undefined_samples=int(np.isnan(sampler.values()).sum())))
 
 
-def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
+def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
     """The same cut off at the bounds of the plane; new ends slide along the border onto the leaf beside them."""
-    found = outline(sampler, leaves)
+    found = outline(sampler, leaves, signs)
     lines, ends = cropped(found, sampler.bounds)
     if not ends:
         return found
@@ -73,6 +73,16 @@ def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
     status = replace(found.status, vertices=sum(map(len, lines)), closed=closed, open=len(lines) - closed)
     return replace(found, lines=tuple(lines), status=status)
+
+
+def level_outline(sampler: PlaneSampler, level: float, values: Floats, *, cut: bool) -> LevelLines | None:
+    """The lines omega = level of a value that is a min and max of leaves, corners and all; of another value None."""
+    leaves = level_leaves(sampler.shape, sampler.free, sampler.fixed, sampler.letters, level, sampler.bounds)
+    if leaves is None:
+        return None
+    signs = np.where(np.isnan(values), np.nan, np.where(values >= level, 1.0, -1.0))
+    found = (outline_within if cut else outline)(sampler, leaves, signs)
+    return replace(found, level=level)
 
 
 def outline_on_edges(
