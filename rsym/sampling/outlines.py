@@ -151,19 +151,33 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floa
 def _without_beads(
     lines: Sequence[Floats], edges: Sequence[Floats], cell: float
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
-    """Lines without those that samples cut off a sharp tip: both ends have one corner, that of a line that stays."""
-    corners = [line[np.isnan(edge[:, 0])] for line, edge in zip(lines, edges, strict=True)]
-    beads = [
-        len(own) > 1 and np.ptp(own, axis=0).max() <= ON_LEVEL * cell and np.ptp(line, axis=0).max() <= 2 * REACH * cell
-        for line, own in zip(lines, corners, strict=True)
-    ]
-    others = np.concatenate([np.empty((0, 2)), *(own for own, bead in zip(corners, beads, strict=True) if not bead)])
+    """Lines without those that samples cut off a sharp tip: all ends have one corner, that of a line that stays."""
+    marks = [np.isnan(edge[:, 0]) for edge in edges]
+    beads = [_is_bead(line, mark, cell) for line, mark in zip(lines, marks, strict=True)]
+    corners = [line[mark] for line, mark, bead in zip(lines, marks, beads, strict=True) if not bead]
+    others = np.concatenate([np.empty((0, 2)), *corners])
     kept = [
         number
-        for number, (own, bead) in enumerate(zip(corners, beads, strict=True))
-        if not bead or np.abs(own[0] - others).max(axis=1).min(initial=np.inf) > ON_LEVEL * cell
+        for number, (line, mark, bead) in enumerate(zip(lines, marks, beads, strict=True))
+        if not bead or np.abs(line[mark][0] - others).max(axis=1).min(initial=np.inf) > ON_LEVEL * cell
     ]
     return tuple(lines[k] for k in kept), tuple(edges[k] for k in kept)
+
+
+def _is_bead(line: Floats, mark: Flags, cell: float) -> bool:
+    """Whether each part between corners, all at one place, goes out along its leaf and is cut off there.
+
+    A loop that only begins and ends at one place comes back by itself: the farthest vertex of it has some before and
+    behind.
+    """
+    if np.count_nonzero(mark) < 2 or np.ptp(line[mark], axis=0).max() > ON_LEVEL * cell:
+        return False
+    first = int(np.argmax(mark))
+    rows, cuts = (np.concatenate([part[first:-1], part[:first]]) for part in (line, mark))
+    parts = np.split(rows, np.flatnonzero(cuts)[1:])
+    far = [int(np.hypot(*(part - part[0]).T).argmax()) for part in parts]
+    one_way = all(number <= 1 or number == len(part) - 1 for number, part in zip(far, parts, strict=True))
+    return one_way and bool(np.ptp(line, axis=0).max() <= 2 * REACH * cell)
 
 
 def _off_walls(
