@@ -15,7 +15,7 @@ from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.lifting import lifted
 from rsym.logic.sign_form import Gate, SignForm, shape_form, sign_form, through
-from rsym.model.recent import recently
+from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower
@@ -328,9 +328,15 @@ def leaves_of(
     bounds: Bounds | None = None,
 ) -> PlaneLeaves:
     """The leaves of a shape in a plane, asked for mostly within bounds of that."""
-    found = PlaneLeaves(shape_form(shape), shape, free, fixed, letters, bounds)
+    found = PlaneLeaves(_form(shape), shape, free, fixed, letters, bounds)
     # Of a section the coordinate that is fixed may be a letter.
     return found.at(fixed) if fixed or found.form.builder.letters else found
+
+
+@recently(16, written)
+def _form(shape: Shape) -> SignForm:
+    """One form, so that bounds and kernels of its leaves are made once."""
+    return shape_form(shape)
 
 
 def level_leaves(
