@@ -284,7 +284,7 @@ def _without_straight(line: Floats, slack: float) -> Floats:
         off = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]) / np.hypot(*along.T)
     bent = np.zeros(len(ends), np.bool_)
     np.logical_or.at(bent, part, ~(off <= slack))
-    return line[corners | np.append(bent[part], False)]
+    return np.asarray(line[corners | np.append(bent[part], False)])
 
 
 def _straight(line: Floats, slack: float) -> Flags:

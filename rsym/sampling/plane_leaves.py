@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from sympy import Symbol
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
@@ -17,6 +16,7 @@ from rsym.logic.lifting import lifted
 from rsym.logic.sign_form import Gate, SignForm, shape_form, sign_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import real_symbol
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower
 from rsym.sampling.contours import ON_LEVEL
@@ -368,7 +368,7 @@ def level_leaves(
 
 @recently(16)
 def _lowered(shape: Shape) -> Shape:
-    level = Symbol(LEVEL, real=True)
+    level = real_symbol(LEVEL)
     return shape.replace(expression=shape.expression - level, letters={**shape.letters, level: 0})
 
 
