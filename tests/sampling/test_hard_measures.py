@@ -81,6 +81,7 @@ def test_two_balls_by_a_minimum_whose_edge_runs_along_sides_of_cells():
     assert holds(found.surface, 3 * math.pi, 1e-9)
 
 
+@pytest.mark.slow
 def test_three_edges_that_meet_and_a_tip_are_measured():
     place = 1 / sp.sqrt(8)
     corners = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
