@@ -46,12 +46,11 @@ def _equations(local: Local) -> Iterator[str]:
     builder = local.model.builder
     for part in sorted(generators(local, local.model.root).hard):
         operation, arguments, _ = builder.nodes[part]
-        below = bare(builder, arguments[-1])
-        if operation == "log" and builder.nodes[below].operation == "abs":
-            below = bare(builder, builder.nodes[below].arguments[0])
-        elif operation != "div":
-            continue
-        if changes_sign(local, below):
+        below = arguments[-1] if operation in {"div", "log"} else None
+        if operation == "log" and below is not None:
+            inner = builder.nodes[below]
+            below = inner.arguments[0] if inner.operation == "abs" else None
+        if below is not None and changes_sign(local, below := bare(builder, below)):
             formula = polynomial_of(local.model, below)
             equation = f"{formula} = 0"
             if formula is not None and len(equation) <= LONGEST:
