@@ -19,8 +19,8 @@ from types import MappingProxyType
 from rsym.logic.domains import replaced
 from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
 from rsym.logic.sign_form import gate_of, stripped
-from rsym.logic.steps import chosen_gate, sign_gate
-from rsym.logic.stripping import even_root, unscaled
+from rsym.logic.steps import chosen_gate
+from rsym.logic.stripping import even_root, sign_gate, unscaled
 from rsym.program.builder import Builder
 from rsym.program.program import live
 
