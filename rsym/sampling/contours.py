@@ -16,13 +16,14 @@ from rsym.model.requirements import optional_package
 from rsym.model.shape import Bounds
 from rsym.reports.document import Document, Sentence, numerical
 from rsym.reports.render import Report
-from rsym.reports.words import plural
+from rsym.reports.words import first_of, plural
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.stills import line_picture
 
 NEWTON_STEPS = 12
 # A vertex is on the level when one more Newton step would move it by less than this share of a cell.
 ON_LEVEL = 1e-9
+TOLD = 5  # places, in a warning
 
 _Moved: TypeAlias = tuple[Floats, Flags]  # vertices (n, 2), and which of them arrived
 
@@ -33,8 +34,8 @@ class LevelLinesStatus(Report):
 
     `unresolved_corners` counts neighbours on different leaves without a corner between them: the
     lattice is too coarse there, and a line may jump over a gap thinner than a cell. `unseen` counts cells, of the size
-    `finer`, where something may be thinner than they are, near `place` first; what a lattice does not show is drawn on
-    finer ones before. Only if `examined`: a field that is not the value of a shape is not.
+    `finer`, where something may be thinner than they are, near each of `places`; what a lattice does not show is drawn
+    on finer ones before. Only if `examined`: a field that is not the value of a shape is not.
     """
 
     vertices: int
@@ -44,19 +45,18 @@ class LevelLinesStatus(Report):
     open: int
     unresolved_corners: int = 0
     unseen: int = 0
-    place: tuple[float, float] | None = None
+    places: tuple[tuple[float, float], ...] = ()
     finer: float = 0.0
     examined: bool = True
 
     @property
     def remark(self) -> str:
         """Where something is thinner than the finest cells that were looked at."""
-        if self.place is None:
+        if not self.places:
             return ""
-        near = f"near ({self.place[0]:.4g}, {self.place[1]:.4g})"
-        return (
-            f"Unresolved in {plural(self.unseen, 'cell')} of {self.finer:.2g}: lines may be missing or joined {near}."
-        )
+        where = first_of([f"({across:.4g}, {up:.4g})" for across, up in self.places], TOLD)
+        cells = f"{plural(self.unseen, 'cell')} of {self.finer:.2g}"
+        return f"Unresolved in {cells}: lines may be missing or joined near {where}."
 
     def document(self) -> Document:
         """All that the status says; nothing of it is proved."""

@@ -31,7 +31,7 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = N
     signs = _defined(sampler.signs() if signs is None else signs)
     seen = seen_lines(sampler.lattice, signs, leaves)
     found = _on_leaves(sampler, leaves, signs, seen.lines)[0]
-    told = {name: getattr(seen, name) for name in ("unseen", "place", "finer", "examined")}
+    told = {name: getattr(seen, name) for name in ("unseen", "places", "finer", "examined")}
     return replace(found, status=replace(found.status, **told))
 
 
@@ -263,7 +263,9 @@ def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
     first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
+    # Leaves that coincide have a corner with a third one anywhere, and a line would run there and back.
     holds = _near(joints, first, cell) & _near(joints, second, cell)
+    holds &= np.linalg.norm(first - second, axis=1) > ON_LEVEL * cell
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
     holds[near] = (
