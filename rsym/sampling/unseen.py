@@ -20,7 +20,7 @@ from rsym.sampling.lattice import AROUND, Lattice, heaps, numbers_of
 from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
 PARTS = 8  # of the side of a cell that is looked at
-BULGE = 2.5  # of these a line may go beyond its chord in a cell, or beyond the cell
+BULGE = 1.5  # of these a line may go beyond its chord in a cell, or beyond the cell
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
 TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines

@@ -17,3 +17,7 @@ OPPONENTS = {
 def test_nothing_is_silent_and_wrong(kind, number):
     case = OPPONENTS[kind].case(1000 * SEED + number)
     assert OPPONENTS[kind].asked(case)[1] == [], case
+
+
+def test_wedges_beside_a_contact_below_a_cell_are_told():
+    assert thin.asked(thin.case(6027))[1] == []
