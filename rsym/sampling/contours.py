@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from html import escape
 from typing import Any, TypeAlias, overload
 
@@ -245,6 +245,71 @@ def move_onto_level(
                 break
         good = arrived & (np.hypot(*(points - line).T) <= 1.5 * cell)
     return np.where(good[:, None], points, line), good
+
+
+# A vertex this near to the chord between others, as a share of the size of all lines, is on it: rounding.
+ON_CHORD = 1e-13
+
+
+def sparse(lines: LevelLines) -> LevelLines:
+    """The same lines without vertices on straight parts; a closed one begins at a vertex that stays.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> square = np.array([[0.5, 0], [1, 0], [1, 0.7], [1, 1], [0, 1], [0, 0], [0.5, 0]])
+    >>> status = LevelLinesStatus(7, 0, 0, 1, 0)
+    >>> sparse(LevelLines((square,), 0.0, "value", status)).lines[0].tolist()
+    [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [1.0, 0.0]]
+    """
+    slack = ON_CHORD * max((float(np.abs(line).max()) for line in lines if len(line)), default=0.0)
+    kept = tuple(_without_straight(line, slack) for line in lines)
+    return replace(lines, lines=kept, status=replace(lines.status, vertices=sum(map(len, kept))))
+
+
+def _without_straight(line: Floats, slack: float) -> Floats:
+    closed = len(line) > 3 and bool((line[0] == line[-1]).all())
+    corners = ~_straight(line, slack)
+    if closed:
+        corners[0] = not _straight(np.concatenate([line[-2:-1], line[:2]]), slack)[1]
+        first = int(np.argmax(corners))
+        line, corners = (np.concatenate([rows[first:-1], rows[: first + 1]]) for rows in (line, corners))
+    corners[[0, -1]] = True
+    # A slow bend has no corner either: all of a part must lie on its chord.
+    ends = np.flatnonzero(corners)
+    part = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
+    start, along = line[ends[part]], np.diff(line[ends], axis=0)[part]
+    away = line[:-1] - start
+    with np.errstate(all="ignore"):
+        off = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]) / np.hypot(*along.T)
+    bent = np.zeros(len(ends), np.bool_)
+    np.logical_or.at(bent, part, ~(off <= slack))
+    return np.asarray(line[corners | np.append(bent[part], False)])
+
+
+def _straight(line: Floats, slack: float) -> Flags:
+    """Which vertices lie on the chord between their neighbours."""
+    straight = np.zeros(len(line), np.bool_)
+    if len(line) > 2:
+        (a, b), (c, d) = (line[1:-1] - line[:-2]).T, (line[2:] - line[1:-1]).T
+        with np.errstate(all="ignore"):
+            off = np.abs(a * d - b * c) / np.hypot(a + c, b + d)
+        straight[1:-1] = (off <= slack) & (a * c + b * d > 0)
+    return straight
+
+
+# Two neighbours whose normals differ by more, in radians, have a corner between them, or a bend of two cells.
+TURN = 0.5
+
+
+def turns(sampler: PlaneSampler, lines: Sequence[Floats]) -> int:
+    """How many neighbours along lines have a corner of the field between them, which the chord cuts off."""
+    every = np.concatenate([*lines, np.empty((0, 2))])
+    (u, v) = sampler.value_and_gradient(every)[1].T
+    with np.errstate(invalid="ignore"):
+        angle = np.abs(np.arctan2(u[:-1] * v[1:] - v[:-1] * u[1:], u[:-1] * u[1:] + v[:-1] * v[1:]))
+    line = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+    return int(np.count_nonzero((angle > TURN) & (line[:-1] == line[1:])))
 
 
 # What is beyond the bounds by no more than this share of their size touches them.

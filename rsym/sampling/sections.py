@@ -15,7 +15,7 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import z
 from rsym.reports.words import plural
-from rsym.sampling.contours import LevelLines
+from rsym.sampling.contours import LevelLines, sparse
 from rsym.sampling.outlines import outline_within
 from rsym.sampling.plane import bounds_of_sections, plane_sampler
 from rsym.sampling.plane_leaves import leaves_of
@@ -139,7 +139,7 @@ def sections(
     for height in heights:
         fixed = {normal: height}
         here = leaves.at(fixed)
-        lines = outline_within(replace(first, fixed=fixed), here)
+        lines = sparse(outline_within(replace(first, fixed=fixed), here))
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
     unseen = [section for section in found if section.lines.status.unseen]

@@ -2,10 +2,12 @@
 
 import math
 
+import numpy as np
 import pytest
 
 import rsym
 from rsym import x, y
+from rsym.sampling.outlines import _without_beads
 
 OVAL = rsym.Shape(x**3 - x**2 - 384 * x - 2772 - y**2, (x, y), bounds=((-30, 40), (-60, 60)))
 
@@ -32,6 +34,18 @@ def test_a_sharp_tip_is_no_doubt():
     lines = lines_of(rsym.polygon([(0, 0), (10, 0), (10, 0.4)]), 64)
     assert lines.length == pytest.approx(10.4 + math.hypot(10, 0.4), rel=1e-12)
     assert (lines.status.unseen, lines.status.unresolved_corners) == (0, 0)
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_a_loop_that_touches_a_line_at_its_corner_is_no_bead(cut):
+    """A bead runs out along two sides of a tip and is cut off there; a loop comes back by itself."""
+    turn = np.linspace(0, np.pi, 16)[1:-1]
+    loop = np.stack([np.sin(turn), np.sin(2 * turn) / 2], axis=1)
+    sides = [loop[:5], loop[8:]] if cut else [loop, loop[:1] / 2]
+    corner, tip = np.zeros((1, 2)), np.array([[-3.0, 1.0], [0.0, 0.0], [-3.0, -1.0]])
+    bead = np.concatenate([corner, sides[0], corner, sides[1], corner])
+    marks = [np.where((line == 0).all(axis=1)[:, None], np.nan, line) for line in (tip, bead)]
+    assert len(_without_beads([tip, bead], marks, 0.1)[0]) == 2 - cut
 
 
 def test_an_oval_is_found_at_any_resolution():
