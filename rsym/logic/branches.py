@@ -18,6 +18,7 @@ from types import MappingProxyType
 
 from rsym.logic.domains import replaced
 from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
+from rsym.logic.radicals import odd_powers
 from rsym.logic.sign_form import gate_of, stripped
 from rsym.logic.steps import chosen_gate, sign_gate
 from rsym.logic.stripping import even_root, unscaled
@@ -78,6 +79,8 @@ class _Opening:
         number, sign = stripped(b, number, sign)
         if certain := self._sign(number, known):
             return b.const(sign * certain)
+        if (plain := odd_powers(b, number)) is not None:
+            return self.opened(plain.number, sign * plain.sign, known)
         operation, arguments, _ = b.nodes[number]
         if kind := gate_of(operation, sign):
             return sign_gate(self.builder, kind, *(self.opened(argument, sign, known) for argument in arguments[:2]))

@@ -81,6 +81,23 @@ def test_two_balls_by_a_minimum_whose_edge_runs_along_sides_of_cells():
     assert holds(found.surface, 3 * math.pi, 1e-9)
 
 
+def test_a_sum_of_odd_powers_is_no_boundary_without_slopes():
+    disc = DISC**3 + y**3 / 8  # 1 - x**2 - y**2 + y/2
+    found = rsym.measure(rsym.Shape(sp.expand(disc) - sp.expand(DISC**3) + DISC**3, (x, y), bounds=WINDOW[:2]))
+    assert holds(found.area, math.pi * 17 / 16, 1e-13)
+    assert holds(found.length, 2 * math.pi * math.sqrt(17 / 16), 1e-13)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:an integral is known to a relative error of about 1e-06")
+def test_the_heart_has_a_volume_and_a_surface():
+    round_ = x**2 + sp.Rational(9, 4) * y**2 + z**2 - 1
+    found = rsym.measure(rsym.Shape(x**2 * z**3 + sp.Rational(9, 80) * y**2 * z**3 - round_**3, (x, y, z)))
+    # The integral of sqrt(c**2 - 4*(x**2 + 9/4*y**2 - 1)), c the cube root of x**2 + 9/80*y**2, over where it is real.
+    assert holds(found.volume, 3.345101518288572687)
+    assert found.surface.error < 2e-6 * found.surface
+
+
 def test_three_edges_that_meet_and_a_tip_are_measured():
     place = 1 / sp.sqrt(8)
     corners = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
