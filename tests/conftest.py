@@ -1,8 +1,9 @@
-"""The suite draws without a screen, and has two tiers.
+"""The suite draws without a screen, and has three tiers.
 
 `pytest` is the quick one: without what is marked `slow`, and of each battery, marked `random`, two items that rotate
-with the day. `pytest --everything` is all of it, `pytest --rest` what the quick one leaves out. The seed is told at the
-head of a run; `--seed` repeats it.
+with the day. `pytest --rest` is the day's rest: what is slow, and of each battery a fifth of what is left, four items
+at least, that rotate likewise. `pytest --everything` is all of it. The seed is told at the head of a run; `--seed`
+repeats it.
 """
 
 import datetime
@@ -15,13 +16,14 @@ import pytest
 
 os.environ["MPLBACKEND"] = "Agg"
 
-KEPT = 2  # of the items of a battery
+KEPT = 2  # of the items of a battery, in the quick tier
+MORE, SHARE = 4, 5  # in the rest of the day so many more at least, or one of so many: all took 45 minutes
 
 
 def pytest_addoption(parser):
     group = parser.getgroup("tiers")
     group.addoption("--everything", action="store_true", help="all tests, also those marked slow, and whole batteries")
-    group.addoption("--rest", action="store_true", help="what a run without --everything leaves out, and nothing else")
+    group.addoption("--rest", action="store_true", help="what is slow, and more of each battery: not the quick tier")
     group.addoption("--seed", type=int, help="which items of the batteries are run, and what is made at random; today")
 
 
@@ -33,29 +35,26 @@ def pytest_configure(config):
 
 
 def pytest_report_header(config):
-    tier = (
-        "everything"
-        if config.option.everything
-        else "what the quick tier leaves out"
-        if config.option.rest
-        else "quick"
-    )
+    tier = "everything" if config.option.everything else "the rest of the day" if config.option.rest else "quick"
     return f"tier: {tier}; --seed {config.option.seed}"
 
 
-def quick(items, seed):
-    """Those of the quick tier, in their order."""
+def tiers(items, seed):
+    """Those of the quick tier and those of the rest of the day, each in their order."""
     batteries = {}
     for item in items:
         if item.get_closest_marker("random") is not None:
             batteries.setdefault(item.nodeid.partition("[")[0], []).append(item)
-    kept = set()
+    kept, more = set(), set()
     for name, battery in batteries.items():
-        kept.update(random.Random(f"{seed} {name}").sample(battery, min(KEPT, len(battery))))
+        drawn = random.Random(f"{seed} {name}").sample(battery, len(battery))
+        kept.update(drawn[:KEPT])
+        more.update(drawn[KEPT : KEPT + max(MORE, len(battery) // SHARE)])
     rotating = {item for battery in batteries.values() for item in battery}
-    return [
-        item for item in items if item.get_closest_marker("slow") is None and (item not in rotating or item in kept)
-    ]
+    slow = {item for item in items if item.get_closest_marker("slow") is not None}
+    quick = [item for item in items if item not in slow and (item not in rotating or item in kept)]
+    rest = [item for item in items if item in more or (item in slow and (item not in rotating or item in kept))]
+    return quick, rest
 
 
 @pytest.hookimpl(wrapper=True)
@@ -74,10 +73,11 @@ def pytest_collection():
 def pytest_collection_modifyitems(config, items):
     if config.option.everything or any("::" in name for name in config.args):
         return  # a test that is asked for by its name is run
-    chosen = quick(items, config.option.seed)
+    quick, rest = tiers(items, config.option.seed)
+    chosen = rest if config.option.rest else quick
     taken = set(chosen)
-    left = [item for item in items if item not in taken]
-    items[:], dropped = (left, chosen) if config.option.rest else (chosen, left)
+    dropped = [item for item in items if item not in taken]
+    items[:] = chosen
     config.hook.pytest_deselected(items=dropped)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Floats
 from rsym.bounds.intervals import Bounds, IntervalFunction
 from rsym.errors import RsymError
-from rsym.model.letters import Letters, mapping_of, real_number
+from rsym.model.letters import Letters, exact_number, mapping_of, real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.program.fields import checked_fields, gather, program_of
@@ -100,7 +100,7 @@ def ranges_of(letters: Letters, changes: Mapping[Any, Any] | None) -> dict[str, 
     pairs = {str(key): _pair(str(key), value) for key, value in mapping_of(changes).items()}
     for end in (0, 1):
         letters.values_with({name: pair[end] for name, pair in pairs.items()})
-    known = {name: (letter.default, letter.default) for name, letter in letters.items()} | pairs
+    known = {name: (letter.fraction, letter.fraction) for name, letter in letters.items()} | pairs
     return {name: (Fraction(low), Fraction(high)) for name, (low, high) in known.items()}
 
 
@@ -114,7 +114,12 @@ def _pair(name: str, value: Any) -> tuple[Any, Any]:
     low, high = (real_number(end, what) for end in value)
     if low > high:
         raise RsymError(f"the range of {name} is empty: {low} > {high}", code="number", remedy="(low, high)")
-    return low, high
+    ends = [exact_number(end, what) for end in value]
+    beyond = [math.nextafter(end, way) for end, way in ((low, -math.inf), (high, math.inf))]
+    first, last = (
+        end if isinstance(end, int | float | Fraction) else wide for end, wide in zip(ends, beyond, strict=True)
+    )
+    return first, last
 
 
 def _ends(shape: Shape, boxes: ArrayLike) -> tuple[Floats, Floats]:

@@ -1,7 +1,7 @@
 """Boxes about shapes: the window that somebody states, or the box that a construction brings.
 
 `Shape.bounds` is what was stated; a box that is not known to hold the boundary is proved before anything is looked at
-in it (`rsym.sampling.extent`). The box of a solid shape holds its inside, that of the complement the outside. So a
+in it (`rsym.sampling.windows`). The box of a solid shape holds its inside, that of the complement the outside. So a
 conjunction lies where the boxes of its solid operands meet, whatever is cut off from it; a disjunction is dual.
 """
 

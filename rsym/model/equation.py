@@ -16,9 +16,9 @@ from sympy.functions.elementary.piecewise import ExprCondPair
 from rsym.errors import RsymError
 from rsym.model.bounding import BoundingBox, Bounds, around, stated_box
 from rsym.model.choices import Choice
-from rsym.model.letters import Letter, Letters, as_letters
+from rsym.model.letters import Letter, Letters, as_letters, exact_number, mapping_of
 from rsym.model.rewriting import in_known_functions
-from rsym.model.symbols import as_expression, postorder, real_replacements, substitute, symbols_of
+from rsym.model.symbols import as_expression, postorder, real_replacements, real_symbol, substitute, symbols_of
 
 S = TypeVar("S", bound="Equation")
 
@@ -169,6 +169,36 @@ def substituted(
         definitions=(),
         parts=tuple((name, factor * substitute(part, places)) for name, part in shape.parts),
     )
+
+
+def with_exact_letters(shape: S, letters: Mapping[Any, Any] | None) -> tuple[S, dict[str, Any]]:
+    """The shape with the numbers that are no fractions in the place of their letters, and the changes of the others.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> import sympy as sp
+    >>> from rsym import x, y
+    >>> a, b = sp.symbols("a b", real=True)
+    >>> made, changes = with_exact_letters(rsym.Shape(a * x - b * y, (x, y), letters={a: 1, b: sp.pi}), {b: sp.sqrt(2)})
+    >>> made.expression, made.letters, changes
+    (a*x - sqrt(2)*y, Letters({'a': 1}), {})
+    """
+    changes = {str(key): value for key, value in mapping_of(letters).items()}
+    shape.letters.values_with({key: value for key, value in changes.items() if not isinstance(value, tuple | list)})
+    given = {name: letter.default for name, letter in shape.letters.items()} | changes
+    exact = {name: value for name, value in given.items() if isinstance(value, sp.Expr)}
+    exact = {name: value for name, value in exact.items() if isinstance(exact_number(value, name), sp.Expr)}
+    if not exact:
+        return shape, changes
+    moved = shape.with_letters(exact)
+    places = {real_symbol(name): value for name, value in exact.items()}
+    kept = Letters({name: letter for name, letter in moved.letters.items() if name not in exact})
+    parts = tuple((name, substitute(part, places)) for name, part in moved.parts)
+    made = replace(
+        moved, expression=substitute(moved.expression, places), letters=kept, definitions=(), box=moved.box, parts=parts
+    )
+    return made, {name: value for name, value in changes.items() if name not in exact}
 
 
 def combine(

@@ -17,13 +17,15 @@ from rsym.errors import RsymError
 from rsym.model.wording import listing, proposal, within
 
 Number: TypeAlias = int | float | Fraction
+Value: TypeAlias = Number | sp.Expr  # of a letter: one that is no fraction as SymPy has it
 
 
 @dataclass(frozen=True)
 class Letter:
     """A named parameter: its value, the range it may take, its unit and what it is.
 
-    Numbers are kept as given: an int, a float, a Fraction or a SymPy rational is exact.
+    Numbers are kept as given: an int, a float, a Fraction or a number of SymPy, as sqrt(2), is exact. What computes
+    takes the nearest float; what proves takes the number.
 
     Examples
     --------
@@ -31,7 +33,7 @@ class Letter:
     5
     """
 
-    default: Number
+    default: Value
     minimum: Number | None = None
     maximum: Number | None = None
     unit: str = ""
@@ -40,11 +42,18 @@ class Letter:
     def __post_init__(self) -> None:
         for name in ("default", "minimum", "maximum"):
             value = getattr(self, name)
-            if value is not None or name == "default":
+            if name == "default":
+                object.__setattr__(self, name, exact_number(value, "the default of a letter"))
+            elif value is not None:
                 object.__setattr__(self, name, real_number(value, f"the {name} of a letter"))
         self.check(self.default, "a letter")
 
-    def check(self, value: Number, name: str) -> None:
+    @property
+    def fraction(self) -> Fraction:
+        """The default, or the float that is nearest to it."""
+        return Fraction(real_number(self.default, "a letter"))
+
+    def check(self, value: Value, name: str) -> None:
         """Refuse a value outside the range."""
         low = -math.inf if self.minimum is None else self.minimum
         high = math.inf if self.maximum is None else self.maximum
@@ -111,7 +120,7 @@ class Letters(Mapping[str, Letter]):
                     code="unknown-letter",
                     remedy=proposal(name, values, "use one of these, or none"),
                 )
-            number = real_number(value, f"the letter {name!r}")
+            number = exact_number(value, f"the letter {name!r}")
             self[name].check(number, f"the letter {name!r}")
             values[name] = float(number)
         return values
@@ -179,5 +188,17 @@ def real_number(value: Any, what: str) -> Number:
     return value if isinstance(value, int | float | Fraction) else float(value)
 
 
-def _plain(value: Number) -> str:
+def exact_number(value: Any, what: str) -> Value:
+    """A finite real number as int, float or Fraction, or as SymPy has it where it is none of these.
+
+    Examples
+    --------
+    >>> exact_number(sp.sqrt(2), "a letter"), exact_number(sp.Float(2.5), "a letter")
+    (sqrt(2), 2.5)
+    """
+    near = real_number(value, what)
+    return value if isinstance(value, sp.Expr) and not value.has(sp.Float) and not value.is_Rational else near
+
+
+def _plain(value: Value) -> str:
     return f"{float(value):g}"

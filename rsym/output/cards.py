@@ -30,11 +30,11 @@ from rsym.output.pictures import checked_titles, page, whole
 from rsym.output.shading import AZIMUTH, ELEVATION
 from rsym.output.surfaces import plot_mesh
 from rsym.sampling.blanks import missing_boundary
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import lattice_over
 from rsym.sampling.level_lines import trace
 from rsym.sampling.meshing import mesh
 from rsym.sampling.plane import GivenField, plane_sampler
+from rsym.sampling.windows import bounds_or_extent
 
 Place: TypeAlias = tuple[float, float, float, float]
 LEVEL_CELLS = 160  # along the longest side of a plane picture; a few milliseconds

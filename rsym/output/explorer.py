@@ -28,8 +28,8 @@ from rsym.output.patches import Lines, Patches, coat_of_patches, merged_letters,
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION
 from rsym.output.views import DPI, BodyView, SheetView, png
 from rsym.program.fields import SIX, checked_fields
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import checked_cells
+from rsym.sampling.windows import bounds_or_extent
 
 RESOLUTIONS = (40, 80, 160, 320, 640)
 STEPS = 200  # of a slider, about: a round step is taken

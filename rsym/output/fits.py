@@ -25,11 +25,11 @@ from rsym.output.pictures import require_axes, require_report
 from rsym.output.shading import AZIMUTH, BODY, ELEVATION, decode
 from rsym.output.surfaces import ShadedMesh
 from rsym.reports.words import listed
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.fit_report import Fit
 from rsym.sampling.level_lines import level_lines
 from rsym.sampling.meshing import mesh
 from rsym.sampling.sensitivity import Sensitivity
+from rsym.sampling.windows import bounds_or_extent
 
 MARGIN = 1 / 8  # of the larger side of the box around the points, shown around it
 CELLS = {2: 400, 3: 96}  # along the longest side

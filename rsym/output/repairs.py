@@ -21,8 +21,8 @@ from rsym.output.certificates import CERTIFICATES, DEFECT
 from rsym.output.pictures import checked_titles, page, require_report, whole
 from rsym.output.verdicts import plot_verdict
 from rsym.sampling.boundaries import Boundary, boundary, distances_to
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.plane import plane_section
+from rsym.sampling.windows import bounds_or_extent
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.answers.singular import SingularCurve
 from rsym.verify.repair.anatomy import Verdict

@@ -23,9 +23,9 @@ from rsym.problems.elastic.result import ElasticSolution
 from rsym.problems.solution import Solution
 from rsym.problems.spectra import Spectrum
 from rsym.problems.torsion import Torsion
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import checked_cells
 from rsym.sampling.plane import GIVEN_FIELDS
+from rsym.sampling.windows import bounds_or_extent
 
 WIDTH, ROOM, TALLEST = 7.0, 0.6, 1.0  # inches of a picture, and about a panel; its height over its width
 

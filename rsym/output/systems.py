@@ -22,10 +22,10 @@ from rsym.program.fields import program_of
 from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.render import Report
 from rsym.sampling.boundaries import boundary
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.meshing import mesh
 from rsym.sampling.progress import Progress, report
 from rsym.sampling.triangles import middles
+from rsym.sampling.windows import bounds_or_extent
 
 SYSTEMS: tuple[RSystem, ...] = (R0, R1, Rp(4), R0m(2))
 HEADING = (

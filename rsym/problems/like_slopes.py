@@ -16,7 +16,7 @@ from rsym.backends.kernel import compile_program
 from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Shape
 from rsym.problems.pointwise import at_letters, with_derivatives
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 # How many times the slope of the flattest leaf is left as it is. A rib of a hundredth of a disc's width took 13 % of
 # the integral of -laplacian(u) = 1 on 20 cells, one of a tenth 0.4 %, which is what its corners take.

@@ -12,9 +12,9 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.recent import placed, recently
 from rsym.model.shape import Shape
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.level_lines import level_lines
 from rsym.sampling.plane_leaves import PlaneLeaves, leaves_of
+from rsym.sampling.windows import bounds_or_extent
 
 RESOLUTION = 256
 # Newton's method begins at so many places along each side; what it finds is so near, by the size of the shape.

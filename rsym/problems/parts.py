@@ -23,7 +23,7 @@ from rsym.model.letters import Letters
 from rsym.model.shape import Bounds, Shape
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.meetings import Places
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 AGREEMENT = 1e-9  # of the size of data
 ASIDE, LOOSELY = 1e-8, 1e-3  # where data are undefined where they meet: of the box, and of their size

@@ -20,13 +20,14 @@ from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.problem import Problem, vanished
 from rsym.problems.splines.web import WebSplines
-from rsym.sampling.extent import extent, surrounded
+from rsym.sampling.extent import extent
 from rsym.sampling.plane import SURROUNDINGS
 from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.gaps import Gap, thin_gap
 from rsym.sampling.rules.portions import CellGrid
 from rsym.sampling.rules.quadrature import Quadrature, prepared
 from rsym.sampling.rules.sides import closed_sides
+from rsym.sampling.windows import surrounded
 
 # Of the size of the shape: points of the boundary are known to rounding.
 ON_BOUNDARY = 1e-12

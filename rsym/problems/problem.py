@@ -42,7 +42,7 @@ from rsym.problems.systems.borders import Beside, BesideAt
 from rsym.problems.weak.weak_form import WeakForm, sized
 from rsym.program.lowering import lower
 from rsym.program.raising import raised
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 VALUE, FLUX = "value", "flux"
 # Where conditions change on an edge weights have roots in them. In a lift they are multiplied by this power of

@@ -28,10 +28,10 @@ from rsym.problems.even_switches import evened, evened_between, unexplained
 from rsym.problems.meetings import Places
 from rsym.problems.pointwise import PointFormulas, compiled
 from rsym.program.lowering import lower
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.plane_leaves import active_leaf
 from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.quadrature import Quadrature, prepared
+from rsym.sampling.windows import bounds_or_extent
 
 ASIDE = 1e-6  # of the size of a shape: where is looked which condition holds beside a point
 NEAR = 1e-9  # of it: points that are one

@@ -2,7 +2,7 @@
 
 In come shapes and compiled kernels, out come arrays with what is known of them. In the order of the data:
 
-- `extent`, `form_signs`: a box that provably holds the boundary; `lattice`: one global lattice over it
+- `extent`, `form_signs`: a box that holds the boundary, proved; `windows`: where to look; `lattice`: a lattice over it
 - `memory`, `progress`: what is refused before it is taken; reports, cancels, time limits; `compiled`: loops
 - in the plane: `plane`, `plane_regions`, `isolines`, `contours` and `level_lines`, `plane_leaves`, `roots`, `outlines`,
   `boundaries`, `combs`, `sections`; `unseen`: what is thinner than a cell; `blanks`, `undefined`: where a picture of

@@ -11,18 +11,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
-from rsym.errors import RsymError, warn
+from rsym.errors import RsymError
 from rsym.logic.lifting import opened
-from rsym.logic.sign_form import surface_form
-from rsym.model.bounding import checked_bounds, hull, outwards
+from rsym.logic.sign_form import SignForm, surface_form
 from rsym.model.recent import recently, written
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
@@ -43,8 +40,6 @@ LARGEST, SMALLEST = 2.0**40, 2.0**-40  # 1e12, far beyond any model in any unit,
 DEEPEST = 9  # halvings of cones and slabs: a cone is then 1/256 of a cube's face
 MOST = 4096  # boxes left open at once; the paper's models need a tenth of that
 GRID = {2: 16, 3: 8}  # boxes along each axis: 256 or 512 in all fill the vectors
-SHARES = Fraction(1, 2), Fraction(0), Fraction(1)  # of ranges of letters
-AROUND, LOOKED_AT = (0.03, 0.3, 3.0), 24  # times a side beyond a window, and points along each axis there
 SLACK, MARGIN = 1 / 100, 1 / 200  # of a side; on simple bodies a box is then 3 % too long at most
 
 
@@ -95,7 +90,7 @@ def proved_signs(shape: Shape, letters: Mapping[Any, float] | None = None) -> Fo
 
 @recently(16, written)
 def _leaf_bounds(shape: Shape) -> LeafBounds:
-    form = opened(surface_form(shape))
+    form = opened_form(shape)
     try:
         from rsym.sampling.kernels.mesher_kernels import backend_for
         from rsym.sampling.regions.region_signs import TapedBounds
@@ -119,144 +114,9 @@ def extent_of(signs: FormSigns) -> Bounds:
     return tuple(zip((box.lower - margin)[:, 0].tolist(), (box.upper + margin)[:, 0].tolist(), strict=True))
 
 
-def bounds_or_extent(
-    shape: Shape, bounds: Any, letters: Mapping[Any, float] | None = None, *, room: float = 0.0
-) -> Bounds:
-    """Where a shape is looked at: the bounds given, else those that it states, else a box that holds its boundary.
-
-    That is the box that it was built with, if letters have their defaults and it is known, or else is proved, to hold
-    the boundary; else the extent, with room around it as a share of its sides.
-
-    Raises
-    ------
-    RsymError
-        ``unbounded`` where the boundary goes on without end and no window is stated.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> from rsym import x, y
-    >>> bounds_or_extent(rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2), (-2, 2))), None)
-    ((-2.0, 2.0), (-2.0, 2.0))
-    >>> bounds_or_extent(rsym.disc(1), None)
-    ((-1.2, 1.2), (-1.2, 1.2))
-    """
-    require_shape(shape)
-    if bounds is not None:
-        return checked_bounds(bounds, shape.dimension)
-    if shape.bounds is not None:
-        return shape.bounds
-    found, how = _all_of_it(shape, letters)
-    if how == "unproved":
-        ends = ", ".join(f"[{low:.6g}, {high:.6g}]" for low, high in found)
-        warn(
-            f"it is not proved that the boundary lies within {ends}, where it is sought; bounds=... says where to look"
-        )
-    return surrounded(found, room) if how == "found" else found
-
-
-def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any]]) -> Bounds:
-    """As `bounds_or_extent`, for proofs at ranges of letters: floats that hold the exact numbers of a window.
-
-    Over ranges the box is that around both ends and the middle: a window, which holds the boundary there alone.
-
-    Raises
-    ------
-    RsymError
-        ``parameter`` for letters with which an R-operation has no value: where nothing is known there is no proof.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> outer_bounds(rsym.loads("bounds x [-1, 0.6] y [-1, 1]; omega = 0.6 - x"), None, {})
-    ((-1.0, 0.6000000000000001), (-1.0, 1.0))
-    """
-    require_shape(shape)
-    shares = {0 if low == high else share for low, high in letters.values() for share in SHARES} or {0}
-    places = [{name: float(low + share * (high - low)) for name, (low, high) in letters.items()} for share in shares]
-    if letters:
-        form = surface_form(shape)
-        for place in places:
-            check_parameters(form, place)
-    stated = bounds if bounds is not None or shape.bounds is None or shape.box is None else shape.box.exact
-    if stated is not None:
-        return outwards(stated, shape.dimension)
-    boxes = [bounds_or_extent(shape, None, place) for place in places]
-    found = hull(boxes)
-    assert found is not None
-    return found
-
-
-def surrounded(bounds: Bounds, room: float) -> Bounds:
-    """Bounds with some room around them, a share of their sides.
-
-    Examples
-    --------
-    >>> surrounded(((0.0, 8.0), (0.0, 4.0)), 1 / 8)
-    ((-1.0, 9.0), (-0.5, 4.5))
-    """
-    return tuple((low - room * (high - low), high + room * (high - low)) for low, high in bounds)
-
-
-def _all_of_it(shape: Shape, letters: Mapping[Any, float] | None) -> tuple[Bounds, str]:
-    """A box that holds the boundary, and how that is known."""
-    values = shape.letters.values_with(letters)
-    box = shape.box if values == shape.letters.values_with(None) else None
-    if box is not None and box.known:
-        return box.ends, "known"
-    try:
-        return _whole(shape, tuple(values.items()), None if box is None else box.ends)
-    except RsymError as error:
-        if shape.box is None or error.code != "empty":
-            raise
-        return shape.box.ends, "known"  # there is nothing in it either
-
-
-@recently(16, written)
-def _whole(shape: Shape, values: tuple[tuple[str, float], ...], likely: Bounds | None) -> tuple[Bounds, str]:
-    """A box that holds the boundary, "found" or "likely", or the likely one of which that is "unproved"."""
-    if likely is not None and holds_boundary(proved_signs(shape, dict(values)), likely):
-        return likely, "likely"
-    try:
-        found = _extent(shape, values)
-    except RsymError as error:
-        if likely is None or error.code != "unproved":
-            raise
-        return likely, "unproved"
-    inside = likely is not None and all(a <= c and d <= b for (a, b), (c, d) in zip(likely, found, strict=True))
-    return (likely, "likely") if likely is not None and inside else (found, "found")
-
-
-def goes_beyond(shape: Shape, bounds: Any = None, letters: Mapping[Any, float] | None = None) -> bool | None:
-    """Whether the boundary goes on outside of the window given, or stated; None where neither is proved.
-
-    All of it lies within where one sign is proved outside; it goes on where two are, for the outside is connected.
-
-    Examples
-    --------
-    >>> import rsym
-    >>> disc = rsym.disc(2)
-    >>> [goes_beyond(disc, ((-reach, reach),) * 2) for reach in (1, 3)], goes_beyond(disc)
-    ([True, False], False)
-    """
-    window = bounds if bounds is not None else shape.bounds
-    if window is None:
-        return None if _all_of_it(shape, letters)[1] == "unproved" else False
-    values = shape.letters.values_with(letters)
-    box = outwards(window, shape.dimension)
-    signs = proved_signs(shape, values)
-    if holds_boundary(signs, box):
-        return False
-    lower, upper = np.array(box)[:, :1], np.array(box)[:, 1:]
-    outer = [grid(Boxes(lower - by * (upper - lower), upper + by * (upper - lower)), LOOKED_AT) for by in AROUND]
-    places = np.hstack([part.centres for part in outer])
-    places = places[:, ((places < lower) | (places > upper)).any(axis=0)]
-    if {-1, 1} <= set(signs.over(points(places)).tolist()):
-        return True
-    with suppress(RsymError):
-        found = _extent(shape, tuple(values.items()))
-        return None if any(c < a or b < d for (a, b), (c, d) in zip(box, found, strict=True)) else False
-    return None
+def opened_form(shape: Shape) -> SignForm:
+    """Its sign form, with roots lifted where that helps bounds."""
+    return opened(surface_form(shape))
 
 
 def holds_boundary(signs: FormSigns, bounds: Bounds) -> bool:

@@ -33,10 +33,10 @@ from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.reports.words import listed
 from rsym.sampling.boundary_distances import Distances, boundary_distances
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.fit_report import Fit
 from rsym.sampling.plane import plane_section
 from rsym.sampling.silhouettes import lines_of_sight
+from rsym.sampling.windows import bounds_or_extent
 
 EVALUATIONS = 200  # of the residuals in one search; the fits of the tests take below 30
 TOLERANCE = 1e-12  # relative change of the sum, of the letters, and size of the gradient at which a search ends
@@ -235,14 +235,16 @@ def _searched(data: _Data, ranges: tuple[Floats, Floats], start: Floats, loss: s
 def _one_search(
     data: _Data, used: Flags, ranges: tuple[Floats, Floats], last: _Search, loss: str, scale: float
 ) -> _Search:
-    """Least squares from where the last search ended."""
+    """Least squares from where the last search ended; a point that loses its distance on the way pulls no more."""
     known: dict[bytes, tuple[Floats, Floats]] = {}
+    begun, _ = data.weighted(last.values, used)
 
     def both(values: Floats) -> tuple[Floats, Floats]:
         key = values.tobytes()  # the solver asks for the residuals and then, at the same place, for the derivatives
         if key not in known:
             known.clear()
-            known[key] = data.weighted(values, used)
+            residuals, slopes = data.weighted(values, used)
+            known[key] = np.where(np.isfinite(residuals), residuals, begun), slopes
         return known[key]
 
     found = least_squares(

@@ -116,10 +116,10 @@ class LeafBounds(Protocol):
 
     form: SignForm
 
-    def near(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+    def near(self, parts: Sequence[Boxes], letters: Mapping[str, Any]) -> Signs:
         """Over boxes, the only part, by images and mean values."""
 
-    def far(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+    def far(self, parts: Sequence[Boxes], letters: Mapping[str, Any]) -> Signs:
         """Over boxes, directions and nearness."""
 
 
@@ -129,11 +129,11 @@ class FormBounds:
     def __init__(self, form: SignForm) -> None:
         self.form = form
 
-    def near(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+    def near(self, parts: Sequence[Boxes], letters: Mapping[str, Any]) -> Signs:
         """Over boxes, the only part, by images and mean values."""
         return _signs(self._near, parts, letters)
 
-    def far(self, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+    def far(self, parts: Sequence[Boxes], letters: Mapping[str, Any]) -> Signs:
         """Over boxes, directions and nearness."""
         return _signs(self._far, parts, letters)
 
@@ -148,7 +148,7 @@ class FormBounds:
         return IntervalFunction(_program(*far_leaves(self.form)), "numpy", threads=1)
 
 
-def _signs(function: IntervalFunction, parts: Sequence[Boxes], letters: Mapping[str, float]) -> Signs:
+def _signs(function: IntervalFunction, parts: Sequence[Boxes], letters: Mapping[str, Any]) -> Signs:
     lower, upper = [row for part in parts for row in part.lower], [row for part in parts for row in part.upper]
     # The bounds are letters of the builder too, though no leaf uses them.
     values = dict.fromkeys(function.program.letters, 0.0) | dict(letters)
@@ -178,7 +178,7 @@ class FormSigns:
     """
 
     bounds: LeafBounds
-    letters: Mapping[str, float]
+    letters: Mapping[str, Any]
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -256,7 +256,7 @@ def check_parameters(form: SignForm, letters: Mapping[str, float]) -> None:
             without.add(part)
 
 
-def _values(builder: Builder, numbers: Sequence[int], letters: Mapping[str, float]) -> dict[int, float]:
+def _values(builder: Builder, numbers: Sequence[int], letters: Mapping[str, Any]) -> dict[int, float]:
     """The values of nodes that depend on letters alone."""
     found = interpret(builder.program({f"{number}": number for number in numbers}), letters)
     return {number: float(found[f"{number}"]) for number in numbers}
@@ -268,7 +268,7 @@ def _is_chosen_by_letters(builder: Builder, part: int) -> bool:
     return operation == "select" and builder.uniform[arguments[0]] and builder.uniform[arguments[1]]
 
 
-def _letters_of(builder: Builder, node: int, letters: Mapping[str, float]) -> str:
+def _letters_of(builder: Builder, node: int, letters: Mapping[str, Any]) -> str:
     """The letters that a node depends on, with their values."""
     names = {str(builder.nodes[part].data) for part in live(builder.nodes, [node])}
     told = [f"{name} = {letters[name]:g}" for name in builder.letters if name in names]

@@ -31,6 +31,7 @@ FEW = 256
 NEWTON_STEPS = 3
 # As a share of the largest coordinate: planes so near to each other are one; the sine of the angle of their normals.
 NEAR, PARALLEL = 1e-12, 1e-5
+ON_BOUNDARY = 1e-9
 LEAST: Mapping[str, Any] = {"min": np.minimum, "max": np.maximum}
 
 
@@ -131,6 +132,26 @@ class Labeller:
             away = np.nan_to_num(np.abs(value) / np.sqrt(np.einsum("kin,kin->kn", gradient, gradient)), nan=np.inf)
         return self(points, away.argmin(axis=0))
 
+    def onto(self, points: Floats) -> tuple[Floats, Floats, Flags]:
+        """Points (n, dim) moved onto the leaves that give the form its value, their normals, which are on the boundary.
+
+        Examples
+        --------
+        >>> import rsym
+        >>> square = rsym.rectangle(2, 2)
+        >>> places, _, there = Labeller(square).onto(np.array([[0.5, 0.99], [1.01, 0.75]]))
+        >>> places.round(9).tolist(), there.tolist()
+        ([[0.5, 1.0], [1.0, 0.75]], [True, True])
+        """
+        every, size = np.arange(len(points)), np.abs(points).max(initial=0.0)
+        places, value, gradient = self._on_leaf(points, self._active_leaf(self._values(points)[0]))
+        leaf = self._active_leaf(value)
+        with np.errstate(all="ignore"):
+            slope = gradient[leaf, :, every]
+            length = np.linalg.norm(slope, axis=1)
+            there = np.abs(value[leaf, every]) <= ON_BOUNDARY * size * length
+            return places, slope / length[:, None], there & (length > 0)
+
     def there(self, title: str, points: Floats, within: float) -> str:
         """What the leaves of a title are called where they pass points (n, dim), to a distance `within`.
 
@@ -161,6 +182,10 @@ class Labeller:
             there = [faces.faces[one].leaf for one in chosen]
             found[(number == most + k) & ~np.isin(found, there)] = there[0]
         return found
+
+    def _active_leaf(self, value: Floats) -> Ints:
+        """The leaf that gives the form its value, the first of several."""
+        return np.asarray((value == _made(shape_faces(self.shape), value)[-1]).argmax(axis=0))
 
     def _sets(self, points: Floats, leaf: Integers, first_set: int) -> tuple[Ints, Sequence[tuple[int, ...]]]:
         """Of each point the leaf where that tells the face, else the number of a set of faces plus `first_set`."""
@@ -207,7 +232,7 @@ class Labeller:
     def _nearest(self, value: Floats, leaf: Ints) -> Flags:
         """Of the faces of each leaf those on whose way down values are least apart."""
         faces = shape_faces(self.shape)
-        made = through(faces.form.gates, value, lambda gate, one, other: LEAST[gate.operation](one, other))
+        made = _made(faces, value)
         apart: list[Floats] = []
         for place in faces.places:
             ways = [
@@ -236,12 +261,17 @@ class Labeller:
     def _values(self, points: Floats) -> tuple[Floats, Floats]:
         """The values (k, n) and gradients (k, dim, n) of all leaves at points (n, dim)."""
         kernel = _leaf_kernel(self.shape)
-        given = kernel.letters.values_with(self.letters)
+        given = self.shape.letters.values_with(self.letters)  # those of the kernel are of the shape it was made for
         out = np.empty((len(kernel.program.outputs), len(points)))
         letters = [given[name] for name in kernel.program.letters]
         run_in_blocks(kernel.function, list(points.T.copy()), letters, out, kernel.threads)
         parts = out.reshape(-1, 1 + self.shape.dimension, len(points))
         return parts[:, 0], parts[:, 1:]
+
+
+def _made(faces: Faces, value: Floats) -> list[Floats]:
+    """The values of the leaves, then those of the gates."""
+    return through(faces.form.gates, list(value), lambda gate, one, other: LEAST[gate.operation](one, other))
 
 
 def _alike(one: Floats, other: Floats) -> Flags:

@@ -20,7 +20,6 @@ from rsym.logic.lifting import lifted, opened, origins
 from rsym.logic.sign_form import SignForm, has_kinks, surface_form
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.blanks import where_it_lies
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, backend_for, mesher_kernels
 from rsym.sampling.labels import Labeller, Labels
 from rsym.sampling.lattice import lattice_over, sides_of
@@ -40,6 +39,7 @@ from rsym.sampling.sharp.signs import Blocks
 from rsym.sampling.sharp.suspects import suspects
 from rsym.sampling.status import Findings, Suspect
 from rsym.sampling.streaming import key_of, stream
+from rsym.sampling.windows import bounds_or_extent
 
 Resolution: TypeAlias = int | Sequence[int]
 

@@ -22,7 +22,6 @@ from rsym.logic.lifting import opened
 from rsym.logic.sign_form import surface_form
 from rsym.model.requirements import file_path, require_shape
 from rsym.model.shape import Shape
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import check_in_space, lattice_over
 from rsym.sampling.memory import Demand
 from rsym.sampling.mesh import Mesh, MeshRequest
@@ -30,6 +29,7 @@ from rsym.sampling.mesh_file import SUFFIXES, MeshFile
 from rsym.sampling.progress import Progress
 from rsym.sampling.smooth import smooth_mesh
 from rsym.sampling.undefined import warn_undefined
+from rsym.sampling.windows import bounds_or_extent
 
 if TYPE_CHECKING:
     from rsym.sampling.mesher import SharpMesher

@@ -10,9 +10,10 @@ import numpy as np
 from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, RsymWarning, warn
-from rsym.model.shape import Bounds, Shape
-from rsym.sampling.distances import distance_to_lines, distance_to_mesh
+from rsym.model.shape import Shape
+from rsym.sampling.distances import nearest_on_lines, nearest_on_mesh
 from rsym.sampling.extent import extent
+from rsym.sampling.labels import Labeller
 from rsym.sampling.level_lines import level_lines
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
@@ -20,7 +21,7 @@ from rsym.sampling.meshing import mesh
 RESOLUTION = {2: 256, 3: 40}
 SHARE = 0.01  # of the distance asked for: what is less off than this is not told
 ON_FACE = 1e-7  # of the size: values of omega on a face
-CHORD = 1e-3  # of the size, in space: chords of a mesh of this resolution are off by less where it is smooth
+STEPS, HALVED = 12, 0.25  # towards the foot of a perpendicular, and by how much steps shrink that lead away from it
 
 
 def tell_of_range(body: Shape, moved: Shape, distance: float, what: str, why: str) -> None:
@@ -48,7 +49,7 @@ def tell_of_bulge(blended: Shape, sharp: Shape, operands: Sequence[Shape]) -> No
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RsymWarning)
-            faces, others = (_boundary(one, extent(one)) for one in (sharp, blended))
+            faces, others = (_boundary(one) for one in (sharp, blended))
     except RsymError:
         warn("the operands share a face: both are small along all of it, and the fillet may move it")
         return
@@ -58,9 +59,9 @@ def tell_of_bulge(blended: Shape, sharp: Shape, operands: Sequence[Shape]) -> No
     if not on_both.any():
         return
     points = points[on_both]
-    found = _distance(points, others)
+    found = _distance(points, blended, others)
     largest = int(np.argmax(found))
-    if found[largest] > CHORD * size:
+    if found[largest] > ON_FACE * size:
         place = ", ".join(f"{coordinate:.4g}" for coordinate in points[largest])
         warn(
             f"the fillet moves a face that its operands share, by {found[largest]:.3g} at ({place}): both are small "
@@ -68,7 +69,8 @@ def tell_of_bulge(blended: Shape, sharp: Shape, operands: Sequence[Shape]) -> No
         )
 
 
-def _boundary(shape: Shape, box: Bounds) -> list[Floats] | Mesh:
+def _boundary(shape: Shape) -> list[Floats] | Mesh:
+    box = extent(shape)
     if shape.dimension == 2:
         return list(level_lines(shape, bounds=box, resolution=RESOLUTION[2]))
     return mesh(shape, RESOLUTION[3], bounds=box)
@@ -78,16 +80,39 @@ def _points(boundary: list[Floats] | Mesh) -> Floats:
     return np.concatenate(boundary) if isinstance(boundary, list) else boundary.vertices
 
 
-def _distance(points: Floats, boundary: list[Floats] | Mesh) -> Floats:
-    return distance_to_lines(points, boundary) if isinstance(boundary, list) else distance_to_mesh(points, boundary)
+def _distance(points: Floats, shape: Shape, boundary: list[Floats] | Mesh) -> Floats:
+    """The distance of points from the boundary of a shape, from its chords moved onto leaves, to rounding.
+
+    The foot of a perpendicular stays where a point is moved into the tangent plane and onto the leaf again.
+    """
+    if isinstance(boundary, list):
+        chords = nearest_on_lines(points, boundary)
+    else:
+        chords = nearest_on_mesh(points, boundary)
+    label = Labeller(shape)
+    feet, normals, there = label.onto(chords)
+    feet[~there] = chords[~there]
+    least, share = np.linalg.norm(points - feet, axis=1), np.ones(len(points))
+    (going,) = np.nonzero(there)
+    for _ in range(STEPS):
+        if not len(going):
+            break
+        away, normal = points[going] - feet[going], normals[going]
+        along = away - np.einsum("ij,ij->i", away, normal)[:, None] * normal
+        moved, turned, there = label.onto(feet[going] + share[going, None] * along)
+        found = np.linalg.norm(points[going] - moved, axis=1)
+        nearer = there & (found < least[going])
+        better = going[nearer]
+        feet[better], normals[better], least[better] = moved[nearer], turned[nearer], found[nearer]
+        share[going[~nearer]] *= HALVED
+        going = going[np.linalg.norm(along, axis=1) * share[going] > ON_FACE * least[going]]
+    return np.asarray(least)
 
 
 def _range(body: Shape, moved: Shape, distance: float) -> tuple[float, float] | None:
     """The least and the largest distance, None where they are the one asked for."""
-    boxes = extent(body), extent(moved)
-    size = max(high - low for low, high in boxes[0])
-    faces, walls = (_boundary(one, box) for one, box in zip((body, moved), boxes, strict=True))
-    found = _distance(_points(walls), faces)
+    faces, walls = _boundary(body), _boundary(moved)
+    found = _distance(_points(walls), body, faces)
     low, high = float(found.min()), float(found.max())
-    slack = max(SHARE * distance, CHORD * size)
+    slack = SHARE * distance
     return (low, high) if low < distance - slack or high > distance + slack else None

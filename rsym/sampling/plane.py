@@ -21,9 +21,9 @@ from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
 from rsym.program.calculus import SCALARS
 from rsym.program.fields import program_of
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.memory import Demand
+from rsym.sampling.windows import bounds_or_extent, check_letters
 
 # Of one field that is drawn, measured on a section of the car at 4000 cells.
 SAMPLES = Demand(memory=85.0, time=4e-7)
@@ -277,6 +277,8 @@ def _lattice_of_view(
     if bounds is None or len(bounds) == len(shape.coordinates):
         whole = bounds_or_extent(shape, bounds, letters, room=SURROUNDINGS)
         box = tuple(whole[k] for k in free)
+    else:
+        check_letters(shape, letters)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
     return flat.bounds, lattice_over(flat.bounds, resolution, math.inf)

@@ -95,29 +95,30 @@ class PlaneLeaves:
     def slopes_over(self, low: Floats, high: Floats) -> Signs:
         """Along both coordinates (n, 2) the sign of the slope of the only leaf that matters in a box.
 
-        0 where that sign is not known, or several leaves matter; all 0 for a large form.
+        0 where that sign is not known, or several leaves matter.
         """
-        if self._large is not None:
-            return np.zeros((len(low), 2), np.int8)
-        matters = self._mattering(low, high)
-        slopes = np.array([signs_between(*pair) for pair in self._slopes(low, high)]).reshape(2, self.count, -1)
-        one = np.count_nonzero(matters, axis=0) == 1
-        return np.asarray(np.where(one, np.where(matters, slopes, 0).sum(axis=1), 0).T.astype(np.int8))
+        box, leaf = self._mattering(low, high)
+        own = np.flatnonzero((np.bincount(box, minlength=len(low)) == 1)[box])
+        one, slopes = box[own], np.zeros((len(low), 2), np.int8)
+        slopes[one] = np.array([signs_between(*ends) for ends in self._slopes(low[one], high[one], leaf[own])]).T
+        return slopes
 
     def crossing_over(self, low: Floats, high: Floats) -> tuple[Ints, Ints]:
         """The two leaves that alone matter in a box, if they cross there at one point at most; else -1."""
-        if self._large is not None or self.count < 2 or not len(low):
-            return np.full((2, len(low)), -1)[0], np.full(len(low), -1)
-        matters = np.zeros((self.count, len(low)), np.bool_)
-        np.logical_or.at(matters, self._zeros, self._mattering(low, high))
-        pair = np.sort(np.argsort(~matters, axis=0, kind="stable")[:2], axis=0)
-        bounds = np.array(self._slopes(low, high)).reshape(2, self.count, 2, -1)
-        (a, c), (b, d) = (bounds[axis, pair, :, np.arange(len(low))] for axis in (0, 1))  # (n, 2) each
+        box, leaf = self._mattering(low, high)
+        count = len(self._zeros)
+        box, leaf = np.divmod(np.unique(box * count + self._zeros[leaf]), count)
+        both = np.flatnonzero(np.bincount(box, minlength=len(low)) == 2)
+        first = np.searchsorted(box, both)
+        pair = np.array([leaf[first], leaf[first + 1]]) if len(both) else np.empty((2, 0), np.int64)
+        (a, b), (c, d) = (self._slopes(low[both], high[both], own) for own in pair)  # (2, n) each
         with np.errstate(all="ignore"):
-            first, second = (_products(*factors) for factors in ((a, d), (b, c)))
-            turns = (first[0] > second[1]) | (first[1] < second[0])
+            one, other = (_products(*factors) for factors in ((a, d), (b, c)))
+            turns = (one[0] > other[1]) | (one[1] < other[0])
         turns |= np.isin(pair, self.walls).any(axis=0)  # where a line ends, upright perhaps
-        return tuple(np.where((np.count_nonzero(matters, axis=0) == 2) & turns, pair, -1))
+        found = np.full((2, len(low)), -1)
+        found[:, both[turns]] = pair[:, turns]
+        return found[0], found[1]
 
     def meet(self, points: Floats, one: Ints, other: Ints, cell: float) -> Flags:
         """Whether both leaves are zero at each point: Newton's method ends somewhere where they are nowhere."""
@@ -125,15 +126,19 @@ class PlaneLeaves:
             cells = [np.abs(f) / np.linalg.norm(slope, axis=1) / cell for f, slope in self.of(points, one, other)]
         return np.asarray(np.maximum(*cells) <= ON_LEVEL)
 
-    def _mattering(self, low: Floats, high: Floats) -> Flags:
-        """Which leaves (leaves, n) the sign of the form may hang on in boxes."""
+    def _mattering(self, low: Floats, high: Floats) -> tuple[Ints, Ints]:
+        """The leaves that the sign of the form may hang on in boxes: the number of a box, and of a leaf."""
+        if self._large is not None:
+            found: tuple[Ints, Ints] = self._large.mattering(self._ends(low, high))
+            return found
         signs = self._signs_over(low, high)
         matters = [np.zeros(len(low), np.bool_) for _ in signs]
         matters[-1] = signs[-1] == 0
         for number, gate in reversed(list(enumerate(self.form.gates, self.count))):
             for part in (gate.first, gate.second):
                 matters[part] |= matters[number] & (signs[part] == 0)
-        return np.array(matters[: self.count])
+        box, leaf = np.nonzero(np.array(matters[: self.count]).T)
+        return box, leaf
 
     def _signs_over(self, low: Floats, high: Floats) -> list[Signs]:
         """Of the leaves and the gates."""
@@ -144,9 +149,14 @@ class PlaneLeaves:
             signs[number] = np.ones_like(signs[number])
         return through(self.form.gates, signs, joined_signs)
 
-    def _slopes(self, low: Floats, high: Floats) -> list[tuple[Floats, Floats]]:
-        """Bounds of the slopes of all leaves along one coordinate, then along the other."""
-        return self._bounded(_slope_bounds(self.form, self.free), low, high)
+    def _slopes(self, low: Floats, high: Floats, leaf: Ints) -> tuple[Floats, Floats]:
+        """Along each coordinate the ends (2, n) of the slope of the leaf of each box."""
+        if self._large is not None:
+            ends: tuple[Floats, Floats] = self._large.slopes(self._ends(low, high), leaf)
+            return ends
+        every = np.array(self._bounded(_slope_bounds(self.form, self.free), low, high))
+        first, second = every.reshape(2, self.count, 2, -1)[:, leaf, :, np.arange(len(low))].transpose(1, 2, 0)
+        return first, second
 
     def _bounded(self, function: IntervalFunction, low: Floats, high: Floats) -> list[tuple[Floats, Floats]]:
         letters = dict.fromkeys(function.program.letters, 0.0) | self.shape.letters.values_with(self.letters)
@@ -207,9 +217,10 @@ class PlaneLeaves:
     @cached_property
     def _zeros(self) -> Ints:
         """Of each leaf the first that is zero where it is: itself, or what it is the negative of."""
-        builder, leaves = self.form.builder, self.form.leaves
-        plain = [min(leaf, builder.neg(leaf)) for leaf in leaves]
-        return np.array([plain.index(node) for node in plain], np.int64)
+        form = self.form if self._large is None else self._large.kernels.form
+        first: dict[int, int] = {}
+        plain = [min(leaf, form.builder.neg(leaf)) for leaf in form.leaves]
+        return np.array([first.setdefault(node, number) for number, node in enumerate(plain)], np.int64)
 
     @cached_property
     def walls(self) -> Ints:
@@ -289,9 +300,9 @@ def _all_leaves(form: SignForm, shape: Shape, free: tuple[int, int]) -> Kernel:
 
 
 def _products(one: Floats, other: Floats) -> tuple[Floats, Floats]:
-    """The ends of products of intervals (n, 2)."""
-    ends = (one[:, :, None] * other[:, None, :]).reshape(-1, 4)
-    return ends.min(axis=1), ends.max(axis=1)
+    """The ends of products of intervals (2, n)."""
+    ends = (one[:, None] * other).reshape(4, -1)
+    return ends.min(axis=0), ends.max(axis=0)
 
 
 def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tuple[Floats, Ints]:

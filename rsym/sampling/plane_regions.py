@@ -29,13 +29,15 @@ from rsym.sampling.lattice import Lattice
 from rsym.sampling.regions.own_leaves import ACROSS, FLAT, OwnLeaves, across, unscaled
 from rsym.sampling.regions.region_code import AT_ONCE
 from rsym.sampling.regions.region_kernels import RegionKernels, Run, region_kernels
-from rsym.sampling.regions.regions import INSIDE, KEPT, Regions
+from rsym.sampling.regions.regions import INSIDE, KEPT, Regions, of_leaves
 from rsym.sampling.sharp.loops import in_threads
 
 # Points along a side of the boxes: of a text of 7 900 operations 334 matter in the large ones and 35 in the small.
 LARGE, SMALL = 64, math.isqrt(AT_ONCE)
 GRAIN = 256  # small boxes
+GROUPS = (4096, 256, 16)  # of boxes that lie anywhere
 PLANE: tuple[int, int] = (0, 1)
+_POINT = Lattice((0.0, 0.0), (1.0, 1.0), (1, 1))
 
 
 @recently(8, written)
@@ -234,13 +236,50 @@ class PlaneForm(OwnLeaves):
 
     def signs_over(self, ends: Floats) -> NDArray[np.int8]:
         """The sign that the form has all over boxes, lower and upper ends (2, dim, n), 0 where that is not known."""
+        sides = self._sides(ends)[0]
+        return np.where(sides == KEPT, 0, np.where(sides == INSIDE, 1, -1)).astype(np.int8)
+
+    def mattering(self, ends: Floats) -> tuple[Ints, Ints]:
+        """The leaves that the sign of the form hangs on in boxes: the number of a box, and of a leaf."""
+        _, kept, regions = self._sides(ends)
+        regions = of_leaves(regions)
+        box, what = np.repeat(kept, np.diff(regions.start)), regions.entries[:, 0]
+        return box[what >= 0], what[what >= 0].astype(np.int64)
+
+    def slopes(self, ends: Floats, leaf: Ints) -> tuple[Floats, ...]:
+        """Along each free coordinate the ends (2, n) of the slope of the leaf of each box."""
+        bounds, every = np.empty((8, len(leaf))), self._in_space(ends)
+        if len(leaf):
+            self.kernels.enclose(len(leaf), leaf.astype(np.int16), every[::2], every[1::2], bounds)
+        return tuple(bounds[2 * axis + 2 : 2 * axis + 4] for axis in self.free)
+
+    def _sides(self, ends: Floats) -> tuple[NDArray[np.uint8], Ints, Regions]:
+        """OUTSIDE, KEPT or INSIDE of boxes, which are kept, and the regions of those: of groups first."""
+        order = _nearest_next(ends.mean(axis=0)[list(self.free)])
+        every, run = self._in_space(ends[:, :, order]), PlaneBoxes(self.kernels, _POINT, self.free, self.fixed).run
+        sides, own = np.full(len(order), KEPT, np.uint8), np.arange(len(order))
+        parent, regions = np.zeros(len(order), np.int64), None
+        for size in (*(size for size in GROUPS if size < len(order)), 1):
+            _, first, group = np.unique(own // size, return_index=True, return_inverse=True)
+            hull = np.empty((6, len(first)))
+            for end, widest in ((0, np.minimum), (1, np.maximum)):
+                hull[end::2] = widest.reduceat(every[end::2, own], first, axis=1) if len(first) else 0.0
+            found, made = self.kernels.sides(hull, parent[first], regions, run)
+            kept = found == KEPT
+            sides[own], regions = found[group], made[kept]
+            parent, own = (np.cumsum(kept) - 1)[group][kept[group]], own[kept[group]]
+        result = np.empty_like(sides)
+        result[order] = sides
+        assert regions is not None
+        return result, order[own], regions
+
+    def _in_space(self, ends: Floats) -> Floats:
+        """Boxes (6, n) as kernels take them."""
         every = np.zeros((6, ends.shape[2]))
         every[: 2 * ends.shape[1] : 2], every[1 : 2 * ends.shape[1] : 2] = ends
         for axis, value in self.fixed.items():
             every[2 * axis : 2 * axis + 2] = value
-        boxes = PlaneBoxes(self.kernels, Lattice((0.0, 0.0), (1.0, 1.0), (1, 1)), self.free, self.fixed)
-        sides = self.kernels.sides(every, np.zeros(ends.shape[2], np.int64), None, boxes.run)[0]
-        return np.where(sides == KEPT, 0, np.where(sides == INSIDE, 1, -1)).astype(np.int8)
+        return every
 
     def value(self, points: Floats) -> tuple[Floats, Shorts]:
         """The form at points (n, 2), and its active leaf."""
@@ -269,6 +308,14 @@ def plane_form(
         ends = dict(zip(free, bounds, strict=True)) | {axis: (value, value) for axis, value in fixed.items()}
         box = tuple(ends[axis] for axis in range(3))
     return PlaneForm(unscaled(_sign_kernels(shape), shape.letters.values_with(letters), box), free, fixed)
+
+
+def _nearest_next(places: Floats) -> Ints:
+    """An order of places (2, n) in which those that follow one another are near: along the curve of Morton."""
+    low, width = places.min(axis=1, initial=np.inf), np.ptp(places, axis=1) if places.size else 1.0
+    cell = ((places.T - low) / np.where(width > 0, width, 1.0) * 1023).astype(np.int64)
+    key = sum((cell[:, axis] >> bit & 1) << 2 * bit + axis for bit in range(10) for axis in range(2))
+    return np.argsort(key, kind="stable")
 
 
 def _box(lattice: Lattice) -> Sequence[tuple[float, float]]:

@@ -18,13 +18,13 @@ from rsym.errors import RsymError
 from rsym.model.bounding import checked_bounds
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.hits import Hits, Rays, Seen
 from rsym.sampling.labels import Labeller, Labels
 from rsym.sampling.leaf_fields import SIDES, LeafFields
 from rsym.sampling.pencils import Cut, Pencil, as_cuts
 from rsym.sampling.ray_march import ArrayRays
+from rsym.sampling.windows import bounds_or_extent
 
 # Of the diagonal of the bounds: how fine rays look that are not those of a picture.
 FINE = 1e-4

@@ -20,7 +20,7 @@ from rsym.logic.inside import inside_kernel
 from rsym.model.requirements import require_count, require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.model.wording import proposal
-from rsym.sampling.extent import bounds_or_extent, proved_signs
+from rsym.sampling.extent import proved_signs
 from rsym.sampling.form_signs import Boxes, FormSigns, halves
 from rsym.sampling.labels import BOUNDARY, Labeller, Labels
 from rsym.sampling.leaf_fields import LeafFields, distances
@@ -29,6 +29,7 @@ from rsym.sampling.meshing import mesh
 from rsym.sampling.outlines import outline
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.plane_leaves import NEWTON_STEPS, leaves_of
+from rsym.sampling.windows import bounds_or_extent
 
 Names: TypeAlias = NDArray[np.str_]
 
@@ -41,8 +42,7 @@ BATCH = 1 << 16
 MOST_EMPTY = 32  # batches without a point, one after the other
 # The boundary is at most so much larger than its chords and triangles, but for what the resolution does not resolve.
 LARGEST_STRETCH = 1.25
-# Points farther from the active leaf, or beyond the bounds, than this share of the size are not of the boundary.
-NEAR = 1e-9
+NEAR = 1e-9  # of the size: points farther from the active leaf, or beyond the bounds, are not of the boundary
 
 
 @dataclass(frozen=True, eq=False)

@@ -39,11 +39,11 @@ from rsym.reports.numbers import number, short
 from rsym.reports.render import Report
 from rsym.sampling.boundaries import NODES, WEIGHTS, boundary
 from rsym.sampling.contours import cropped
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.leaf_fields import BY_LETTER, LeafFields
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves, leaves_of
+from rsym.sampling.windows import bounds_or_extent
 
 RESOLUTION = {2: 256, 3: 64}
 # Six points of a triangle and their shares, exact to degree 4.

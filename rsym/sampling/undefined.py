@@ -21,7 +21,7 @@ from rsym.program.lowering import lower
 from rsym.program.program import Program
 from rsym.program.raising import raised
 from rsym.reports.numbers import point
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 ALONG = {2: 65, 3: 17}  # points along each axis: what is smaller than some of these cells is no part of a picture
 BESIDE = 1e-5  # of a side

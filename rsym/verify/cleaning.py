@@ -21,7 +21,7 @@ from itertools import product
 import sympy as sp
 
 from rsym.model.nodes import Trimming, expand_nodes
-from rsym.model.powers import absolute_power, signed_power
+from rsym.model.powers import AbsolutePower, absolute_power, signed_power
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, R1Operation
 from rsym.model.symbols import postorder, rebuild
 from rsym.verify.angles import root_of_angles, unfolded
@@ -128,22 +128,24 @@ def _freed(part: sp.Basic) -> sp.Basic | None:
 
 
 def _gathered(part: sp.Basic) -> sp.Basic | None:
-    """u**k |u|**q as |u|**(k + q) for even k, sign(u) |u|**(k + q) for odd: for k >= 0, q > 0 and k + q > 2.
+    """u**k |u|**q as |u|**(k + q) for even k, sign(u) |u|**(k + q) for odd: for k >= 0, q > 0 and k + q > 1, not 2.
 
-    Both sides are defined wherever u is. Below that order the boundary has a jump of curvature, which is proved by
-    the two sides as they are written.
+    Both sides are defined wherever u is. Of order 2 the boundary has a jump of curvature, which is proved by the two
+    sides as they are written.
     """
     if not isinstance(part, sp.Mul | sp.Pow):
         return None
     factors, changed = list(sp.Mul.make_args(part)), False
     for factor in sp.Mul.make_args(part):
         modulus, exponent = factor.as_base_exp()
+        if isinstance(factor, AbsolutePower):  # a part of the product that was gathered before
+            modulus, exponent = sp.Abs(factor.args[0], evaluate=False), factor.args[1]
         if not (isinstance(modulus, sp.Abs) and isinstance(exponent, sp.Rational) and exponent > 0):
             continue
         base = modulus.args[0]
         power = next((other for other in factors if other.as_base_exp()[0] == base), sp.S.One)
         times = power.as_base_exp()[1] if power != 1 else sp.S.Zero
-        if not (isinstance(times, sp.Integer) and times >= 0 and times + exponent > 2):
+        if not (isinstance(times, sp.Integer) and times >= 0 and 1 < times + exponent != 2):
             continue
         factors.remove(factor)
         if power != 1:

@@ -20,8 +20,8 @@ from rsym.bounds.intervals import IntervalFunction
 from rsym.model.blends.gates import without_rounded_levels
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED
-from rsym.sampling.extent import outer_bounds
 from rsym.sampling.progress import Effort
+from rsym.sampling.windows import outer_bounds
 from rsym.verify.answers.account import audited, distinct, missing
 from rsym.verify.answers.conclusions import Tally, badness, conclude, verdict_from
 from rsym.verify.answers.report import Cover, Joint, SmoothnessReport, is_defect

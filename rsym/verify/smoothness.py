@@ -8,10 +8,11 @@ from typing import Any, TypeVar
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.equation import with_exact_letters
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
-from rsym.sampling.extent import goes_beyond, outer_bounds
 from rsym.sampling.progress import Effort, Progress
+from rsym.sampling.windows import goes_beyond, holds_at_all, outer_bounds
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.bodies import BUDGET as BODY_BUDGET
@@ -97,21 +98,26 @@ def verify_smoothness(
     if budget is not None:
         require_count("budget", budget, f"leave it out, or for example {BUDGET}")
     effort = Effort(progress, timeout)
+    require_shape(shape)
+    shape, letters = with_exact_letters(shape, letters)
     if _in_space(shape, method):
         values = ranges_of(shape.letters, letters)
         if any(low != high for low, high in values.values()):
             box = outer_bounds(shape, bounds, values)
             return report_over_ranges(shape, box, values, effort, smallest=smallest, budget=budget or BODY_BUDGET)
-        return _beyond(report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort)), shape, bounds)
+        return _beyond(
+            report_body(studied_in_space(shape, bounds, letters, smallest, budget, effort)), shape, bounds, values
+        )
     study = Question(shape, bounds, letters).study(letters, smallest, budget or BUDGET, effort)
-    return _beyond(report_curve(study), shape, bounds)
+    return _beyond(report_curve(study), shape, bounds, study.values)
 
 
-def _beyond(report: R, shape: Shape, bounds: Any) -> R:
+def _beyond(report: R, shape: Shape, bounds: Any, letters: Mapping[str, Any]) -> R:
     """The report, which says whether the boundary goes on beyond the window that it speaks of."""
-    if any(low < high for low, high in report.letters.values()):
-        return report
-    beyond = goes_beyond(shape, bounds, {name: low for name, (low, _) in report.letters.items()})
+    if any(low < high for low, high in letters.values()):
+        beyond = False if holds_at_all(shape, report.cover.bounds, letters) else None
+    else:
+        beyond = goes_beyond(shape, bounds, {name: low for name, (low, _) in report.letters.items()})
     said = {
         True: "the boundary goes on beyond these bounds",
         False: "all of the boundary lies within these bounds",

@@ -149,7 +149,7 @@ def smoothness_threshold(
 def range_of(shape: Shape, name: str, between: tuple[Any, Any] | None = None) -> tuple[Fraction, Fraction]:
     """Where a letter is varied: between two values, else over its own range, else from half to twice its default."""
     item = shape.letters[name]
-    default = Fraction(item.default)
+    default = item.fraction
     half, double = sorted((default / 2, default * 2))
     low, high = between or (
         half if item.minimum is None else item.minimum,

@@ -279,6 +279,13 @@ def test_where_no_leaf_knows_the_thickness_its_range_is_told():
     rsym.offset(rsym.disc(1) | rsym.disc(1, (1, 0)), 1)  # unions grow exactly
 
 
+def test_small_offsets_of_wide_bodies_are_measured_to_rounding():
+    """At the sharp edges of a cube that grows by d the distance is d*sqrt(3); chords of the ball are off by more."""
+    wide = rsym.sphere(8) | rsym.box(5, 5, 5).translate(40, 0, 0)
+    with pytest.warns(rsym.RsymWarning, match=r"the offset is 0\.02 to 0\.03464 instead of 0\.02: edges keep"):
+        rsym.offset(wide, sp.Rational(1, 50))
+
+
 def test_a_shell_thicker_than_the_body_is_the_body():
     wall = rsym.shell(rsym.disc(1), 2)
     points = RANDOM.uniform(-2, 2, (200, 2))

@@ -157,6 +157,31 @@ def test_the_edges_of_a_piece_under_rho_have_its_radius(name):
     assert 1000 < (truth > 0).sum() < 19000
 
 
+@pytest.mark.parametrize(("sides", "made"), [(3, None), (4, [(2, 0), (0, 2), (-2, 0), (0, -2)]), (6, None)])
+def test_the_corners_of_polygons_under_rho_have_its_radius(sides, made):
+    """Half-planes as far as the corner, a circle there; parallel edges were joined before, and are no lengths then."""
+    system = rsym.Rho(0.25)
+    shape = rsym.polygon(made, system=system) if made else rsym.regular_polygon(sides, 2, system=system)
+    points = np.random.default_rng(3).uniform(-2, 2, (20000, 2))
+    normals = np.stack([f((2 * np.arange(sides) + 1) * np.pi / sides) for f in (np.cos, np.sin)])
+    apothem = 2 * np.cos(np.pi / sides)
+    corners = 2 * np.stack([f(2 * np.arange(sides) * np.pi / sides) for f in (np.cos, np.sin)])
+    middles = corners * (1 - 0.25 / apothem)
+    beyond = np.linalg.norm(points[:, :, None] - middles, axis=1) > 0.25
+    along = corners / 2
+    u = np.einsum("nik,ik->nk", points[:, :, None] - middles, along)
+    v = np.einsum("nik,ik->nk", points[:, :, None] - middles, along[::-1] * [[-1], [1]])
+    in_cone = np.abs(np.arctan2(v, u)) < np.pi / sides
+    truth = (points @ normals < apothem).all(axis=1) & ~(beyond & in_cone).any(axis=1)
+    assert (shape.contains(*points.T) == truth).all()
+
+
+def test_a_polygon_under_rho_tells_of_corners_with_another_radius():
+    for corners in ([(0, 0), (4, 0), (4, 3)], [(0, 0), (4, 0), (4, 2), (2, 2), (2, 4), (0, 4)]):
+        with pytest.warns(rsym.RsymWarning, match="1/2 is not the radius of all corners"):
+            rsym.polygon(corners, system=rsym.Rho(sp.Rational(1, 2)))
+
+
 def test_the_rims_of_a_cylinder_under_rho_have_its_radius():
     shape = rsym.cylinder(5, 10, system=rsym.Rho(1))
     points = np.random.default_rng(3).uniform(-6, 6, (20000, 3))

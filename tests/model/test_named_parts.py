@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from oracles.closeness import assert_close
+from oracles.tiers import of_the_day
 
 import rsym
 from rsym import RsymError, Shape, conjunction, disjunction, x, y, z
@@ -150,8 +151,8 @@ MOVED = {("lattice", "struts", "part"), ("lattice", "joints", "part")}
 
 @pytest.mark.slow
 def test_every_part_of_every_model_can_be_taken_and_replaced_by_itself():
-    moved = set()
-    for name in rsym.paper.MODELS:
+    moved, names = set(), of_the_day(rsym.paper.MODELS, 6)
+    for name in names:
         shape = rsym.load(name)
         for part in dict.fromkeys(part for part, _ in shape.parts):
             taken = shape.part(part)
@@ -164,7 +165,7 @@ def test_every_part_of_every_model_can_be_taken_and_replaced_by_itself():
                     continue
                 assert same.expression == shape.expression
                 assert sorted(same.parts, key=str) == sorted(shape.parts, key=str)
-    assert moved == MOVED
+    assert moved == {one for one in MOVED if one[0] in names}
 
 
 def test_letters_and_bounds_of_the_new_part_join_those_of_the_shape():

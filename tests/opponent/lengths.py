@@ -118,8 +118,7 @@ def complaint(seed):
         grown = distance if way == "grown" else -distance
         made = rsym.shell(shape, distance) if way == "shell" else rsym.offset(shape, grown)
     told = any("instead of" in str(one.message) for one in caught)
-    # Two in space are measured on meshes of cells as wide as the gap between them: what is told may be that.
-    if told != (way == "grown" and sharp) and not (told and dimension == 3 and len(pieces) > 1):
+    if told != (way == "grown" and sharp):
         return f"{text}: {'told without a reason' if told else 'sharp corners are farther away, and nothing says so'}"
 
     def truth(points):

@@ -316,6 +316,7 @@ def agrees(kernel, letters, camera, box, pixels, depth):
     return good
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("name", MODELS)
 def test_every_shipped_model_opens_and_shows_what_signs_say(browser, tmp_path, name):
     shape = rsym.load(model_path(name))

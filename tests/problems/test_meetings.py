@@ -8,7 +8,7 @@ import rsym
 from rsym import x, y, z
 from rsym.logic.sign_form import shape_form
 from rsym.problems.meetings import EPS, OFF, Places
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 HALF = sp.Rational(1, 2)
 

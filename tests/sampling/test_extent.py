@@ -17,9 +17,10 @@ from rsym.logic.sign_form import surface_form
 from rsym.program.builder import Builder
 from rsym.program.fields import program_of
 from rsym.program.lowering import lower
-from rsym.sampling.extent import bounds_or_extent, extent, proved_signs
+from rsym.sampling.extent import extent, proved_signs
 from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, cube, grid, halves, slabs
 from rsym.sampling.regions.region_signs import TapedBounds
+from rsym.sampling.windows import bounds_or_extent
 
 C = rsym.R0.conjunction
 # A rotation without symmetry; rows are the directions of the body.

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import rsym
 from rsym import Shape, x, y, z
@@ -86,6 +87,17 @@ def test_nested_parts_and_parts_of_one_name_stay_as_they_were():
     pair = rsym.rectangle(1, 1).named("box") | rsym.rectangle(1, 1).translate(2, 0).named("box")
     assert parts(pair) == pytest.approx({"box": 8}, rel=1e-12)
     assert not shape_faces(pair).shared
+
+
+def test_names_follow_the_defaults_of_letters():
+    a = sp.Symbol("a", real=True)
+    right = rsym.rectangle(2, a, letters={a: 2}).translate(1, 0).named("right")
+    lids = np.array([[-0.5, 1.0], [0.5, 1.0]])
+    names = []
+    for value in (2, 1, 2):  # of one expression, so what was compiled is kept
+        pair = rsym.rectangle(2, 2).named("left") | right.with_letters({"a": value})
+        names.append(Labeller(pair).nearest(lids).each.tolist())
+    assert names == [["left", "left / right"], ["left", "left"], ["left", "left / right"]]
 
 
 def test_what_has_no_name_is_called_by_its_formula_beside_a_part_that_has_the_leaf():

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from rsym import RsymError, Shape, x, y
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.lattice import lattice_over
+from rsym.sampling.windows import bounds_or_extent
 
 BOX = ((-1.0, 3.0), (0.0, 1.0), (-2.0, 1.0))
 

@@ -72,7 +72,13 @@ def test_values_are_undefined_where_a_kernel_has_none_or_infinite_ones(letters):
 
 
 def test_level_lines_of_a_text_are_closed_and_lie_on_the_level(text, letters):
-    lines = rsym.level_lines(letters, resolution=256, bounds=box_of(letters))
+    # The ring of a dot is as wide as its radius: in its middle the hole is one point, where the text is 0.
+    dots = [(row, column) for row in range(14) for column in range(16) if (row + 5 * column) % 6 == 2]
+    centres = [((7 * column - 53) / 56, (9 * row - 56.5) / 70) for row, column in dots]
+    with pytest.warns(rsym.RsymWarning, match="Unresolved"):
+        lines = rsym.level_lines(letters, resolution=256, bounds=box_of(letters))
+    assert lines.status.unseen == len(dots)
+    assert np.abs(np.subtract(centres, lines.status.place)).max(axis=1).min() < lines.status.finer
     assert lines.status.open == 0
     points = np.concatenate(list(lines)).T
     distance = np.abs(numbers_of(text, points))

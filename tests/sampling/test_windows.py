@@ -10,7 +10,7 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import x, y
 from rsym.errors import RsymError
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 A = sp.Symbol("a", real=True)
 NAIL = rsym.sphere(1) | (rsym.cylinder(sp.Rational(1, 2)) & rsym.slab(3, 6))  # the rod does not touch the ball
@@ -107,6 +107,32 @@ def test_bounds_are_exact_numbers():
     assert rsym.loads(rsym.dumps(turned)).box == turned.box
     inside = rsym.Shape(rsym.conjunction(sp.sqrt(2) - x, y), (x, y), bounds=((-1, sp.sqrt(2)), (-1, 1)))
     assert rsym.verify_smoothness(inside).verdict != "CERTIFIED"
+
+
+@pytest.mark.parametrize(("expression", "value"), [(x**2 - y**2 + A**2 - 2, sp.sqrt(2)), (sp.sin(A) - x**2, sp.pi)])
+def test_proofs_take_letters_as_the_numbers_that_they_are(expression, value):
+    """At the nearest float both are regular, at the number two lines cross, or there is no change of sign."""
+    shape = rsym.Shape(expression, (x, y), letters={A: 1}, bounds=((-1, 1), (-1, 1)))
+    for asked in (
+        rsym.verify_smoothness(shape.with_letters({A: value})),
+        rsym.verify_smoothness(shape, letters={A: value}),
+    ):
+        assert asked.verdict in {"DEGENERATE", "UNDECIDED"}
+    assert shape.with_letters({A: value}).letters["a"].default == value
+    assert (
+        rsym.compile(shape)(0.0, 0.0, letters={"a": value})["value"]
+        == rsym.compile(shape)(0.0, 0.0, letters={"a": float(value)})["value"]
+    )
+
+
+def test_a_window_over_ranges_of_letters_holds_the_body_at_all_of_them():
+    """The disc is at the origin at both ends and in the middle, and 1.5396 away between."""
+    disc = rsym.disc(1, (16 * A * (1 - A) * (1 - 2 * A), 0), letters={A: 0})
+    report = rsym.verify_smoothness(disc, letters={A: (0, 1)})
+    ((left, right), _) = report.cover.bounds
+    assert (left < -2.539, right > 2.539) == (True, True)
+    assert report.verdict == "CERTIFIED"
+    assert ("all of the boundary lies within these bounds", True) in report.statements
 
 
 def test_verdicts_find_bounds_where_none_are_stated():

@@ -5,7 +5,7 @@ import pytest
 from opponent.windows import FAR, boundary_of, case
 
 from rsym.errors import RsymError
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 
 
 def complaint(seed):

@@ -9,7 +9,7 @@ from scipy.optimize import minimize
 import rsym
 from rsym import x, y, z
 from rsym.bounds.enclosures import ranges_of
-from rsym.sampling.extent import outer_bounds
+from rsym.sampling.windows import outer_bounds
 from rsym.verify.bodies import study_body
 from rsym.verify.boxes.local import Model
 from rsym.verify.cover.bending import bending, bent, contraction

@@ -1,5 +1,7 @@
 """Leaves with roots whose squares vanish on an axis: their class there, and the jump where it is 1."""
 
+import math
+
 import pytest
 import sympy as sp
 
@@ -93,3 +95,43 @@ def test_less_is_never_certified(expression):
 )
 def test_what_is_analytic_is_never_refuted(second):
     assert rsym.verify_smoothness(body(z - second), method="space").verdict in {"CERTIFIED", "UNDECIDED"}
+
+
+HALVES = sp.Rational(3, 2)
+
+
+@pytest.mark.parametrize(
+    ("omega", "where"),
+    [
+        (1 - y - abs(x) ** HALVES, (0, 1)),
+        (1 - y - (x**2) ** sp.Rational(199, 200), (0, 1)),
+        (1 - y - abs(x - sp.sqrt(2)) ** HALVES, (math.sqrt(2), 1)),
+        (1 - y - abs(x - y**2) ** HALVES, (1, 1)),
+        (1 - y - abs(x) ** HALVES + abs(x) ** sp.Rational(5, 2), (0, 1)),
+        (1 - y - x * sp.sqrt(abs(x)) / 10**9, (0, 1)),
+        (1 - z - (x**2 + y**2) ** sp.Rational(3, 4), (1, 0)),  # (axis, radius)
+    ],
+    ids=str,
+)
+def test_a_power_below_two_of_the_distance_bends_without_bound(omega, where):
+    coordinates = (x, y, z) if omega.has(z) else (x, y)
+    report = rsym.verify_smoothness(rsym.Shape(omega, coordinates, bounds=((-2, 2),) * len(coordinates)))
+    assert (report.verdict, report.continuity) == ("REFUTED", "G1")
+    bent = [defect for defect in report.defects if defect.kind == "unbounded curvature" and defect.proved]
+    assert any(math.dist(defect.point, where) <= defect.radius + 1e-12 for defect in bent)
+
+
+@pytest.mark.parametrize(
+    ("omega", "verdict"),
+    [
+        (1 - y - abs(x) ** sp.Rational(201, 100), "CERTIFIED"),
+        (1 - y - x * abs(x) ** HALVES, "CERTIFIED"),
+        (1 - y - (1 - y) * abs(x) ** HALVES, "UNDECIDED"),  # the plane y = 1, and more
+        (1 - y - abs(x) ** HALVES + (1 - x) * abs(x) ** HALVES, "UNDECIDED"),  # of order 5/2
+        (1 - y - abs(x) ** HALVES + abs(sp.sin(x)) ** HALVES, "UNDECIDED"),  # of order 7/2
+    ],
+    ids=str,
+)
+def test_a_power_that_bends_nothing_without_bound_is_not_refuted(omega, verdict):
+    report = rsym.verify_smoothness(rsym.Shape(omega, (x, y), bounds=((-0.5, 0.75), (-2, 2))))
+    assert report.verdict == verdict

@@ -9,6 +9,7 @@ import math
 
 import pytest
 import sympy as sp
+from oracles.tiers import of_the_day
 
 import rsym
 from rsym import Shape, x, y, z
@@ -42,7 +43,7 @@ def truth(order, radius):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("order", [3, 5, 6])
+@pytest.mark.parametrize("order", of_the_day([3, 5, 6], 1))
 def test_discs_around_a_point(order):
     wide, narrow = R(3, 4), R(2, 5)
     for motif in ("any", "even"):
@@ -51,7 +52,7 @@ def test_discs_around_a_point(order):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("order", [2, 5])
+@pytest.mark.parametrize("order", of_the_day([2, 5], 1))
 def test_a_disc_that_crosses_a_mirror_has_an_edge_there_however_little_it_is_off(order):
     assert said(rsym.kaleidoscope(disc(R(1, 2), (1, R(1, 4))), order)) == ("REFUTED", "G0")
     for off in (R(1, 10**9), R(1, 10**30)):

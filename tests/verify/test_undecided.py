@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from functools import partial
 
 import pytest
 import sympy as sp
@@ -92,10 +93,16 @@ def test_nothing_is_proved_with_a_letter_for_which_an_operation_has_no_value(sys
     letter = sp.Symbol("a", real=True)
     square = rsym.conjunction(1 - x**2, 1 - y**2, system=system(letter))
     shape = rsym.Shape(square, (x, y), letters={letter: value}, bounds=((-2, 2), (-2, 2)))
-    for prove in (rsym.verify_smoothness, rsym.extent, rsym.verify_normalisation):
+    tall = rsym.extrude(shape, 0, 1)
+    proofs = (rsym.verify_smoothness, rsym.extent, rsym.verify_normalisation, rsym.level_lines, rsym.measure, rsym.lint)
+    meshes = [lambda body, how=how: rsym.mesh(body, 8, method=how) for how in ("sharp", "smooth")]
+    cut = partial(rsym.level_lines, section={z: 0.5}, bounds=((-1, 1), (-1, 1)))
+    for look, seen in [*((proof, shape) for proof in proofs), *((look, tall) for look in (*meshes, cut))]:
         with pytest.raises(rsym.RsymError, match=f"with a = {value}") as refused:
-            prove(shape)
+            look(seen)
         assert refused.value.code == "parameter"
+    with pytest.raises(rsym.RsymError, match=f"with a = {value}"):
+        rsym.level_lines(shape.with_letters({letter: 2 if value == 1 else 0.5}), letters={letter: value})
 
 
 def test_of_a_range_that_ends_where_an_operation_has_no_value_the_end_is_named():

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import sympy as sp
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.model.arguments import LetterMapping, Point, default, point, positive, whole
+from rsym.model.blends.rho import Rho
 from rsym.model.primitives.formulas import box_around
 from rsym.model.primitives.outlines import (
     Branch,
@@ -30,6 +32,8 @@ from rsym.model.symbols import PLANE, symbols_of, x, y
 from rsym.model.systems import R0, RSystem
 from rsym.model.vectors import minus
 
+SAME_ANGLE = 1e-9  # cosines
+
 
 def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:
     """The inside of a simple polygon, convex or not: a monotone formula of the half-planes of its edges.
@@ -48,7 +52,8 @@ def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None)
     points : sequence of points, or an array of shape (n, 2)
         The corners.
     system : RSystem
-        What the half-planes are joined in.
+        What the half-planes are joined in. In `Rho` a convex polygon whose corners have one angle, as a rectangle, has
+        circles of its radius; of others the arcs are none, and an RsymWarning says so.
 
     Raises
     ------
@@ -72,10 +77,15 @@ def polygon(points: Any, *, system: RSystem = R0, letters: LetterMapping = None)
     check_simple(places)
     edges = [_left_of(*ends, letters) for ends in zip(corners, (*corners[1:], corners[0]), strict=True)]
     try:
+        formula: Branch
         formula, shared = monotone_formula(places)
         written = {edge: kept for kept, edge in shared}
         symmetries = [[written.get(edge, edge) for edge in symmetry] for symmetry in mirrors(places)]
-        expression = _joined(in_symmetric_pairs(formula, symmetries), edges, system)
+        if isinstance(system, Rho):  # it takes lengths, so nothing that was joined before
+            system = _with_angles(system, places, letters)
+        else:
+            formula = in_symmetric_pairs(formula, symmetries)
+        expression = _joined(formula, edges, system)
     except RecursionError:
         raise RsymError(
             f"the {len(corners)} corners of this polygon wind too often around one another",
@@ -96,7 +106,7 @@ def regular_polygon(
 
     The unit normal n_k points in the direction (2 k + 1)*pi/n; its components are exact. Normalised to order 1 with
     R_0, to every order with R_1. With R_0 analytic except at the corners and at points off the boundary where two
-    operands vanish together, there continuous.
+    operands vanish together, there continuous. In `Rho` the corners are circles of its radius.
 
     Raises
     ------
@@ -117,7 +127,11 @@ conjunction(sqrt(2)*x/2 - sqrt(2)*y/2 + 1, -sqrt(2)*x/2 + sqrt(2)*y/2 + 1))
     angles = [(2 * side + 1) * sp.pi / count for side in range(count)]
     turns = [count // 2**k for k in range(1, count) if count % 2**k == 0]  # edges that a half turn, a quarter, .. skips
     symmetries = [[(side + turn) % count for side in range(count)] for turn in turns]
-    formula = in_symmetric_pairs(Junction(True, tuple(range(count))), [*symmetries, range(count)[::-1]])
+    formula: Branch = Junction(True, tuple(range(count)))
+    if not isinstance(system, Rho):  # which takes lengths
+        formula = in_symmetric_pairs(formula, [*symmetries, range(count)[::-1]])
+    elif system.cosine == 0:
+        system = replace(system, cosine=sp.cos(2 * sp.pi / count))
     apothem = radius * sp.cos(sp.pi / count)
     edges = [apothem - sp.cos(angle) * across - sp.sin(angle) * up for angle in angles]
     ((right, above),), reach = _places([centre], letters), default(radius, letters)
@@ -178,6 +192,22 @@ def _check_aligned(corners: Sequence[Point]) -> None:
                 code="polygon",
                 remedy="choose defaults at which the corners are those of the polygon that is meant",
             )
+
+
+def _with_angles(system: Rho, places: Sequence[Place], letters: LetterMapping) -> Rho:
+    """The system whose radius is that of the corners, where all have one angle; else a warning."""
+    sides = [(c - a, d - b) for (a, b), (c, d) in zip(places, (*places[1:], places[0]), strict=True)]
+    pairs = list(zip(sides, (*sides[1:], sides[0]), strict=True))
+    cosines = [(p * u + q * v) / (math.hypot(p, q) * math.hypot(u, v)) for (p, q), (u, v) in pairs]
+    bays = any(p * v < q * u for (p, q), (u, v) in pairs)
+    if system.cosine == 0 and not bays and not letters and max(cosines) - min(cosines) < SAME_ANGLE < abs(cosines[0]):
+        system = replace(system, cosine=sp.Float(cosines[0]))
+    if bays or any(abs(cosine - default(system.cosine, letters)) > SAME_ANGLE for cosine in cosines):
+        warn(
+            f"{system.radius} is not the radius of all corners: it is where none is hollow and all have one angle; "
+            "fillet(edge, edge, radius, angle=...) rounds a corner of any angle"
+        )
+    return system
 
 
 def _joined(branch: Branch, edges: Sequence[sp.Expr], system: RSystem) -> sp.Expr:

@@ -41,10 +41,10 @@ from rsym.output.parts import PALETTE
 from rsym.output.shading import linear
 from rsym.output.surfaces import plot_mesh
 from rsym.program.program import live
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.sampling.ray_steps import PAGE_CROSSING, PAGE_SHORTEST, PATIENCE
+from rsym.sampling.windows import bounds_or_extent
 
 # Of a formula that is drawn. Unions of balls of 308, 583, 862 and 1077 operations take 2.5, 7, 7 and 13 s to their
 # first picture without a graphics processor, and compile in nearly all of it.

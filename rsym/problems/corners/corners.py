@@ -20,8 +20,8 @@ from rsym.problems.corners.leaf_boxes import LeafBoxes, leaf_boxes
 from rsym.problems.corners.leaf_jets import StraightEdge, leaf_jets
 from rsym.problems.corners.reaches import Tips, reaches
 from rsym.problems.corners.sectors import Sector, sectors
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.form_signs import Boxes
+from rsym.sampling.windows import bounds_or_extent
 
 STRAIGHT = 1e-6  # radians: what turns less is no corner
 WIDER = 1e-6  # of the bounds: what lies on them is found

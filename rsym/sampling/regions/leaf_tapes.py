@@ -204,7 +204,8 @@ class LiftedLetters:
     def __init__(self, form: SignForm) -> None:
         self._program = form.builder.program({str(k): leaf for k, leaf in enumerate(form.leaves)})
         nodes, numbers = ordered_nodes(self._program), dict(self._program.outputs)
-        self._leaves = [_lifted(nodes, self._program.uniform, numbers[str(k)]) for k in range(len(form.leaves))]
+        uniform, angles = self._program.uniform, _angles(nodes)
+        self._leaves = [_lifted(nodes, uniform, angles, numbers[str(k)]) for k in range(len(form.leaves))]
         used = {number for _, lifted in self._leaves for number in lifted}
         part = assemble(self._program.nodes, (), self._program.letters, {f"{number}": number for number in used})
         self._values = _uniform(expand(part))
@@ -242,7 +243,18 @@ def _uniform(program: Program) -> UniformNumbers:
     return UniformNumbers(program, [number for _, number in program.outputs])
 
 
-def _lifted(nodes: Sequence[Node], uniform: Sequence[bool], leaf: int) -> tuple[tuple[Node, ...], list[int]]:
+def _angles(nodes: Sequence[Node]) -> list[bool]:
+    """Which nodes are angles: of these the bounds of a sine depend on whether whole turns count."""
+    found: list[bool] = []
+    for operation, arguments, _ in nodes:
+        through = operation in {"neg", "add", "mul"} and any(found[argument] for argument in arguments)
+        found.append(operation == "atan2" or through)
+    return found
+
+
+def _lifted(
+    nodes: Sequence[Node], uniform: Sequence[bool], angles: Sequence[bool], leaf: int
+) -> tuple[tuple[Node, ...], list[int]]:
     """The nodes of a leaf, uniform numbers in sums and products as letters, and what these are."""
     if uniform[leaf]:
         return (Node("input", (), "0"),), [leaf]
@@ -255,17 +267,17 @@ def _lifted(nodes: Sequence[Node], uniform: Sequence[bool], leaf: int) -> tuple[
         lifted.append(number)
         return len(found) - 1
 
-    def lifts(number: int, operation: str) -> bool:
-        return uniform[number] and (operation in LIFTED or nodes[number].operation != "const")
+    def lifts(number: int, above: int) -> bool:
+        free = nodes[above].operation in LIFTED and not angles[above]
+        return uniform[number] and (free or nodes[number].operation != "const")
 
     def operands(number: int) -> Sequence[int]:
-        operation, arguments, _ = nodes[number]
-        return [a for a in arguments if a not in local and not lifts(a, operation)]
+        return [a for a in nodes[number].arguments if a not in local and not lifts(a, number)]
 
     for number, _ in with_operands(leaf, operands, int):
         if number not in local:
             operation, arguments, data = nodes[number]
-            own = tuple(letter(a) if lifts(a, operation) else local[a] for a in arguments)
+            own = tuple(letter(a) if lifts(a, number) else local[a] for a in arguments)
             found.append(Node(operation, own, data))
             local[number] = len(found) - 1
     return tuple(found), lifted

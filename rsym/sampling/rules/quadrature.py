@@ -17,7 +17,6 @@ from rsym.errors import RsymError, warn
 from rsym.logic.sign_form import shape_form
 from rsym.model.requirements import optional_package, require_count, require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.labels import Labeller, Labels, labels_of
 from rsym.sampling.rules.columns import CellRule, rules_joined
 from rsym.sampling.rules.division import (
@@ -28,6 +27,7 @@ from rsym.sampling.rules.division import (
     undivided,
 )
 from rsym.sampling.rules.portions import CellGrid, RulePortion, rule_portion
+from rsym.sampling.windows import bounds_or_extent
 
 ORDER = 8
 PAIRS = 2**17  # of cells and leaves that are looked at at once

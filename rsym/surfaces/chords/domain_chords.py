@@ -25,7 +25,7 @@ from rsym.model.operations import conjunction
 from rsym.model.rnodes import ROperation
 from rsym.model.shape import Shape
 from rsym.model.symbols import substitute, x, y
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 from rsym.surfaces.chords.lines import NEGLIGIBLE, Chord, Line, point_of, real_constant, real_expression
 from rsym.surfaces.functions.formulas import CompiledFormulas
 from rsym.surfaces.symbols import t

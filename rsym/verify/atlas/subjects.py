@@ -23,7 +23,7 @@ from rsym.bounds.enclosures import Range, ranges_of
 from rsym.model.constructions import section
 from rsym.model.shape import Bounds, Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, UNDECIDED
-from rsym.sampling.extent import outer_bounds
+from rsym.sampling.windows import outer_bounds
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import Joint, SmoothnessReport, is_defect
 from rsym.verify.answers.singular import SingularCurve

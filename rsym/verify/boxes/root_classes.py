@@ -37,6 +37,7 @@ from rsym.verify.boxes.resolution import put
 from rsym.verify.boxes.vanishing import Exact
 from rsym.verify.boxes.vectors import dot
 
+MODULI = frozenset({"absolute_power", "signed_power"})
 RADIUS = "the root"  # no letter of a user has a space in its name
 ANALYTIC = math.inf
 GROWS = " grows without bound: the boundary leaves its tangent like a power below 2 of the distance"
@@ -158,12 +159,13 @@ def root_order(local: Local, leaf: int) -> float:
 
 
 def _exponent(builder: Builder, part: int) -> float:
-    """Twice the exponent of a root of a sum of squares; 0 of what is none."""
+    """Twice the exponent of a root of a sum of squares, the exponent of a power of a modulus; 0 of what is neither."""
     operation, arguments, _ = builder.nodes[part]
     if operation == "sqrt":
         return 1.0
-    exponent = builder.value(arguments[1]) if operation == "pow" else None
-    return 0.0 if exponent is None or exponent <= 0 else float(2 * exponent)
+    times = 2 if operation == "pow" else 1 if operation in MODULI else 0
+    exponent = builder.value(arguments[1]) if times else None
+    return 0.0 if exponent is None or exponent <= 0 else float(times * exponent)
 
 
 def _orders(
@@ -199,41 +201,56 @@ def curvature_jump(known: Exact, at: Local, leaf: int) -> arb | None:
 
     The leaf and its root must vanish at the point, `at`; None where no jump is proved. Infinite where curvatures grow
     without bound: of A + O q**a with 1/2 < a < 1 and O not zero at the point the surface leaves its tangent plane along
-    a tangent v like t**(2 a), by O q(v)**a/|n|, and any C^2 surface like t**2.
+    a tangent v like t**(2 a), by O q(v)**a/|n|, and any C^2 surface like t**2. So of A + O |u|**a, 1 < a < 2, with q =
+    u**2; further powers of moduli leave it like their own exponents, which must be larger.
     """
     local = known.local
     model, builder, found = local.model, local.model.builder, generators(local, leaf)
-    if len(found.hard) != 1 or root_order(local, leaf) <= 1:
+    powers = sorted({*found.hard, *found.switched}, key=lambda part: _exponent(builder, part))
+    if not powers or (len(powers) > 1 and not _exponent(builder, powers[0]) < _exponent(builder, powers[1])):
         return None
-    (part,) = found.hard
-    operation, arguments, _ = builder.nodes[part]
-    if operation not in {"sqrt", "pow"} or not known.vanishes(leaf, arguments[0]):
+    part, nothing = powers[0], builder.const(0)
+    radicand = _radicand(builder, part)
+    moduli = all(builder.nodes[one].operation in MODULI for one in powers)
+    if radicand is None or not (moduli or len(powers) == 1) or not known.vanishes(leaf, radicand):
         return None
-    radius, nothing = builder.input(RADIUS), builder.const(0)
-    function = put(model, leaf, {part: radius})
-    even, odd = (put(model, one, {radius: nothing}) for one in (function, derivative(builder, function, RADIUS)))
+    least = _exponent(builder, part) if moduli else root_order(local, leaf)
+    names = {one: f"{RADIUS} {one}" for one in powers}
+    function = put(model, leaf, {one: builder.input(name) for one, name in names.items()})
+    first = derivative(builder, function, names[part])
+    zeros = {builder.input(name): nothing for name in names.values()}
+    even, odd = (put(model, one, zeros) for one in (function, first))
     around = Local(model, local.sides)
-    around.inputs[RADIUS] = arb(0, 1) * _largest(local, part)
-    if not generators(around, function).analytic:
+    around.inputs |= {name: arb(0, 1) * _largest(local, one) for one, name in names.items()}
+    bases = [builder.nodes[one].arguments[0] for one in powers]
+    if not (least > 1 and all(generators(around, one).analytic for one in (function, *bases))):
         return None
     normal = at.gradient(even)
     size = dot(normal, normal)
     if not size > 0:
         return None
-    rows = [at.gradient(first) for first in model.gradient(arguments[0])]
-    if operation == "pow":
+    rows = [at.gradient(slope) for slope in model.gradient(radicand)]
+    if builder.nodes[part].operation != "sqrt":
         value = at.value(odd)
         steep = 1 < _exponent(builder, part) < 2 and value is not None and not value.contains(0)
         leaves = steep and any(dot(v, [dot(row, v) for row in rows]) > 0 for v in tangents(normal))
         return arb(math.inf) if leaves else None
-    slope = at.gradient(odd)
-    if root_order(local, leaf) < 2 or not known.vanishes(odd):
+    twist = at.gradient(odd)
+    if least < 2 or not known.vanishes(odd):
         return None
-    along = [one - dot(slope, normal) / size * n for one, n in zip(slope, normal, strict=True)]
+    along = [one - dot(twist, normal) / size * n for one, n in zip(twist, normal, strict=True)]
     square = dot(along, [dot(row, along) for row in rows]) / 2
     if not square > 0 or not dot(along, along) > 0:
         return None
     return 4 * square.sqrt() / size.sqrt()
+
+
+def _radicand(builder: Builder, part: int) -> int | None:
+    """What vanishes where a root or a power does, and is never negative; None of other operations."""
+    operation, arguments, _ = builder.nodes[part]
+    if operation in MODULI:
+        return builder.square(arguments[0])
+    return arguments[0] if operation in {"sqrt", "pow"} else None
 
 
 def tangents(normal: Sequence[arb]) -> list[list[arb]]:
@@ -254,6 +271,7 @@ def tangents(normal: Sequence[arb]) -> list[list[arb]]:
 
 def _largest(local: Local, part: int) -> arb:
     """No more than the root or the power of a form is on a box, by its radicand."""
-    square = local.value(local.model.builder.nodes[part].arguments[0])
+    radicand = _radicand(local.model.builder, part)
+    square = None if radicand is None else local.value(radicand)
     largest = None if square is None else root(square)
     return arb(0, math.inf) if largest is None else arb(largest.upper()) ** arb(_exponent(local.model.builder, part))

@@ -20,6 +20,7 @@ from rsym.verify.boxes.locus import chosen
 AROUND = 2.0**-120  # half the width of the neighbourhood on which branches are decided
 SIMPLE = 10_000  # a fraction with a smaller denominator that agrees with a point is tried in its place
 _BITS = 4096  # rational numbers longer than this only cost time
+_STEEP = 64  # of powers
 ZERO = Fraction(0)
 
 
@@ -30,6 +31,15 @@ def _root(value: Fraction) -> Fraction | None:
     return root if root * root == value else None
 
 
+def _power(base: Fraction, exponent: Fraction) -> Fraction | None:
+    """|u|**a where that is rational; of square roots no others are looked for."""
+    size = abs(base)
+    if exponent > 0 and size in (0, 1):
+        return size
+    root = size if exponent.denominator == 1 else _root(size) if exponent.denominator == 2 else None
+    return root**exponent.numerator if root is not None and 0 < exponent.numerator < _STEEP else None
+
+
 _RATIONAL: dict[str, Callable[..., Fraction | None]] = {
     "add": lambda a, b: a + b,
     "mul": lambda a, b: a * b,
@@ -37,6 +47,7 @@ _RATIONAL: dict[str, Callable[..., Fraction | None]] = {
     "neg": lambda a: -a,
     "sqrt": _root,
     "abs": abs,
+    "absolute_power": _power,
     "sign": lambda a: Fraction((a > 0) - (a < 0)),
     "min": min,
     "max": max,

@@ -11,12 +11,13 @@ import numpy as np
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.model.equation import with_exact_letters
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
 from rsym.reports.words import plural
 from rsym.sampling.combs import combs
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.progress import Effort, Progress, Stages
+from rsym.sampling.windows import bounds_or_extent
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.boxes.local import Box, Interval, Model
@@ -98,6 +99,7 @@ def fairness(
     require_shape(shape)
     require_positive("tolerance", tolerance, "for example 0.01")
     require_count("budget", budget, f"for example {BUDGET}")
+    shape, letters = with_exact_letters(shape, letters)
     values = ranges_of(shape.letters, letters)
     ranging = [name for name, (low, high) in values.items() if low != high]
     if ranging:

@@ -19,8 +19,8 @@ from rsym.logic.faces import BETWEEN
 from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.labels import Labeller
+from rsym.sampling.windows import bounds_or_extent
 from rsym.verify.lint.letter_findings import letter_findings
 from rsym.verify.lint.logic import Logic, logic_of
 from rsym.verify.lint.places import ModelPlace, places_of

@@ -12,16 +12,17 @@ from numpy.typing import NDArray
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate
+from rsym.model.equation import with_exact_letters
 from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
-from rsym.sampling.extent import outer_bounds
 from rsym.sampling.lattice import lattice_over
 from rsym.sampling.outlines import known_outline
 from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
+from rsym.sampling.windows import outer_bounds
 from rsym.verify.boxes.local import Box, Model
 from rsym.verify.normalisation.cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normalisation.derivatives import NormalDerivatives
@@ -109,6 +110,7 @@ def verify_normalisation(
     ('CERTIFIED', True)
     """
     _check(shape, order, tolerance)
+    shape, letters = with_exact_letters(shape, letters)
     effort = Effort(progress, timeout)
     box: Box = outer_bounds(shape, bounds, ranges_of(shape.letters, letters))
     derivatives = NormalDerivatives(_model(shape, letters), order)

@@ -8,13 +8,16 @@ roots, two switches, a switch and a leaf on one of its sides, the gradient of a 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from itertools import combinations, islice, pairwise
 
 from rsym.bounds.balls import ctx
-from rsym.verify.boxes.generators import generators, square_roots
+from rsym.logic.stripping import bare
+from rsym.verify.boxes.generators import Generators, generators, square_roots
 from rsym.verify.boxes.local import PRECISION, Box, Local, Model
 from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.resolution import put, resolve
+from rsym.verify.boxes.root_classes import MODULI
 from rsym.verify.boxes.sheets import Sheets
 from rsym.verify.points.locating import PAIRS, Equations
 
@@ -69,6 +72,28 @@ def across(model: Model, f: int, g: int, k: int) -> tuple[int, int]:
     return first, second
 
 
+def _of_powers(model: Model, leaf: int, found: Generators) -> Iterator[Equations]:
+    """A switch under powers of its modulus, and the leaf without these."""
+    nodes = model.builder.nodes
+    powers = [part for part in found.switched if nodes[part].operation in MODULI]
+    for switch in found.switches:
+        own = [part for part in powers if bare(model.builder, nodes[part].arguments[0]) == switch]
+        if own:
+            rest = put(model, leaf, dict.fromkeys(own, model.builder.const(0)))
+            yield Equations((switch, rest), tuple((part, leaf) for part in own[:1]))
+
+
+def cuts_of_powers(local: Local, leaf: int, middle: Sequence[float]) -> Iterator[Equations]:
+    """As `_of_powers`, in a plane through the middle of a box in space, across each axis in turn."""
+    with ctx.workprec(PRECISION):
+        found = generators(local, leaf)
+    builder = local.model.builder
+    for equations in _of_powers(local.model, leaf, found):
+        for name, value in zip(builder.coordinates, middle, strict=True):
+            plane = builder.sub(builder.input(name), builder.const(Fraction(value)))
+            yield Equations((*equations.nodes, plane), equations.implied)
+
+
 def systems_in_plane(model: Model, box: Box, locus: Locus) -> Iterator[Equations]:
     """Two nodes that may vanish together where the locus of a box is singular."""
     if locus.kind in {"conjunction", "disjunction", "product"}:
@@ -85,6 +110,7 @@ def systems_in_plane(model: Model, box: Box, locus: Locus) -> Iterator[Equations
         elif arguments:
             yield Equations((arguments[0], arguments[1] if operation in PAIRS else leaf))
     yield from map(Equations, pairwise(found.switches))
+    yield from _of_powers(model, leaf, found)
     for switch in found.switches:
         for way in (1, -1):
             with ctx.workprec(PRECISION):

@@ -23,7 +23,7 @@ from rsym.verify.boxes.locus import Locus
 from rsym.verify.boxes.polynomials import polynomial_of
 from rsym.verify.boxes.root_classes import GROWS, curvature_jump
 from rsym.verify.boxes.vanishing import exact_at
-from rsym.verify.boxes.vectors import error
+from rsym.verify.boxes.vectors import error, floats, radius_of
 from rsym.verify.points.candidates import systems_in_plane
 from rsym.verify.points.clusters import Cluster, clusters
 from rsym.verify.points.directions import classify_by_directions
@@ -78,7 +78,7 @@ def _proved(
         if locus is None:
             continue  # what vanishes there is not what is left over here
         near = place if near is None else near
-        proved = _polygon(model, locus, place) or _directed(model, place) or _at_rational(model, locus, place)
+        proved = _polygon(model, locus, place) or _directed(model, place) or _of_leaves(model, locus, place)
         if proved is not None:
             return proved, place
     return None, near
@@ -132,22 +132,22 @@ def _directed(model: Model, place: ZeroPlace) -> Joint | None:
     return classify_by_directions(model, (point[0], point[1]), place.zeros)
 
 
-def _at_rational(model: Model, locus: Locus, place: ZeroPlace) -> Joint | None:
-    """At a rational point: two leaves that touch, or one with a root of class 1, whose curvatures differ."""
-    if not place.exact:
+def _of_leaves(model: Model, locus: Locus, place: ZeroPlace) -> Joint | None:
+    """Two leaves that touch, at a rational point, or one with a root of class 1, whose curvatures differ."""
+    if not place.proved or not (place.exact or locus.kind == "leaf"):
         return None
-    known = exact_at(model, place.point, place.coordinates)
+    known = exact_at(model, place.point, place.coordinates, place.zeros)
     with ctx.workprec(PRECISE):
         if locus.kind != "leaf":
             return classify_tangency(known, model.on(place.point))
         jump = curvature_jump(known, model.on(place.point), locus.nodes[0])
     if jump is None:
         return None
-    x, y = map(float, _fractions(place))
+    x, y = floats(place.point)
     grows = not jump.is_finite()
     return Joint(
         (x, y),
-        1e-15 * (abs(x) + abs(y)),
+        radius_of(place.point),
         "unbounded curvature" if grows else "curvature jump",
         "G1",
         tangent_jump=0.0,

@@ -24,7 +24,7 @@ from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISE, PRECISION, Box, Local, Model, side
 from rsym.verify.boxes.sheets import Sheets, sheets
 from rsym.verify.boxes.vectors import floats
-from rsym.verify.points.candidates import systems_in_space
+from rsym.verify.points.candidates import cuts_of_powers, systems_in_space
 from rsym.verify.points.clusters import Cluster, clusters
 from rsym.verify.points.contacts import touch_once
 from rsym.verify.points.corners import Corner, corner, doubted
@@ -102,6 +102,7 @@ def classify_points(
     for cluster in clusters([box for box, _ in left], 3, effort):
         if cluster.is_long and cluster.radius > extent / SHORT:
             classifier.curves += _unless_known(_curve(cluster), curves)
+            classifier.add_point_of(cluster)
         else:
             classifier.add(cluster)
     return classifier.result
@@ -186,6 +187,21 @@ class _Classifier:
         self._corners += [(box, found) for box in cluster.boxes]
         if found.point is not None:
             self._points.append(found.point)
+
+    def add_point_of(self, curve: Cluster) -> None:
+        """Note one point of an undecided curve, if powers in a leaf are proved to be steep there."""
+        box, model = curve.boxes[len(curve.boxes) // 2], self.model
+        with ctx.workprec(PRECISION):
+            local = model.over(box)
+            found = sheets(local, model.root)
+        if found is None or len(found.leaves) != 1 or len(model.axes) > 3:
+            return
+        middle = tuple((low + high) / 2 for low, high in box)
+        for place in located(model, cuts_of_powers(local, found.leaves[0], middle), middle, 4 * curve.width, LEAST):
+            point = classify_place(model, place, self.names) if place.proved and _is_within(model, place) else None
+            if point is not None:
+                self._points.append(point)
+                return
 
     def _is_all(self, cluster: Cluster, point: SingularPoint) -> bool:
         """Whether two leaves touch at a point and nowhere else in the hull of a cluster, which holds the point."""

@@ -20,7 +20,7 @@ from rsym.model.symbols import postorder
 from rsym.program.lowering import lower
 from rsym.program.operations import CHOOSING
 from rsym.program.program import live
-from rsym.sampling.extent import bounds_or_extent
+from rsym.sampling.windows import bounds_or_extent
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.answers.report import Joint, SmoothnessReport
 from rsym.verify.answers.singular import SingularCurve, SingularPoint

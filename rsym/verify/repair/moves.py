@@ -183,7 +183,7 @@ def _families(move: str, request: Request) -> Iterator[MoveFamily]:
     for name, letter in shape.letters.items():
         if name not in used or (request.vary is not None and name not in request.vary):
             continue
-        value = Fraction(letter.default)
+        value = letter.fraction
         for end, sign, word in zip(ends(letter), (-1, 1), ("down", "up"), strict=True):
             room = abs(end - value)
             if room > 0:
@@ -200,7 +200,7 @@ def ends(letter: Letter) -> tuple[Fraction, Fraction]:
     >>> ends(Letter(4, minimum=1))
     (Fraction(1, 1), Fraction(8, 1))
     """
-    value = Fraction(letter.default)
+    value = letter.fraction
     half, double = sorted((value / 2, value * 2))
     low = half if letter.minimum is None else Fraction(letter.minimum)
     high = double if letter.maximum is None else Fraction(letter.maximum)

@@ -13,9 +13,9 @@ from rsym.model.shape import Shape
 from rsym.reports.numbers import at_most, number
 from rsym.sampling.boundaries import Boundary, boundary, distance
 from rsym.sampling.distances import distance_to_mesh
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
+from rsym.sampling.windows import bounds_or_extent
 from rsym.verify.answers.report import SmoothnessReport
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.revolution import meridian

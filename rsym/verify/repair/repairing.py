@@ -20,8 +20,8 @@ from rsym.model.shape import Shape
 from rsym.model.wording import listing, proposal
 from rsym.reports.document import CERTIFIED, REFUTED
 from rsym.reports.numbers import at_most, number
-from rsym.sampling.extent import bounds_or_extent
 from rsym.sampling.progress import Effort, Progress, report
+from rsym.sampling.windows import bounds_or_extent
 from rsym.verify.answers.body_report import BodyReport
 from rsym.verify.repair.anatomy import Verdict
 from rsym.verify.repair.blending import PaskoBlend, RhoBlend
