@@ -3,7 +3,7 @@
 A program not expanded comes in, each R-operation with its exact image; programs of bounds, or balls, go out. In the
 order of the data:
 
-- `relations`: operands that have something in common
+- `relations`: operands that have something in common; `cancellations`: terms of a slope that cancel
 - `interval_arithmetic`: images in float64, outward; `interval_monotone`: of monotone operations, by their rows;
   `box_images`: of all nodes; `mean_values` sharpen them; `intervals`: bounds as a compiled function
 - `ball_arithmetic`, `ball_systems`, `balls`: the same in balls, for proofs, and where operations are defined;

@@ -28,7 +28,7 @@ from rsym.backends.kernel import checked_threads, compiled, run_in_blocks
 from rsym.backends.registry import CompiledFunction, default_backend
 from rsym.bounds.box_images import BoxImages, ends_of
 from rsym.bounds.interval_arithmetic import Interval, neighbours
-from rsym.bounds.mean_values import sharpen
+from rsym.bounds.mean_values import narrowed, sharpen
 from rsym.errors import RsymError
 from rsym.program.builder import Builder
 from rsym.program.program import FLOAT64, Program
@@ -66,7 +66,7 @@ def interval_program(program: Program, sharpened: Collection[int] = (), strict: 
     images = BoxImages(source, target, strict=strict)
     sharpen(images, sharpened)
     images.make(number for _, number in program.outputs)
-    return target.program(_known_ends(target, {name: images[number] for name, number in program.outputs}))
+    return target.program(_known_ends(target, {name: narrowed(images, number) for name, number in program.outputs}))
 
 
 def _known_ends(b: Builder, images: Mapping[str, Interval]) -> dict[str, int]:

@@ -19,7 +19,9 @@ The theorem needs f to be Lipschitz in v along the side, with derivatives almost
 everywhere inside the images of the rules: true of the operations in SMOOTH, whose
 kinks have both slopes in the image and whose poles and ends of domain put a
 division by an interval with 0 into the derivative. It is not true of jumps
-(sign, select, atan2), so what holds one is left as it is.
+(sign, select, atan2), so what holds one is left as it is; but an atan2 whose
+first operand is never negative touches its cut from one side, and jumps in its
+pole alone: boxes that may hold that are left.
 """
 
 from __future__ import annotations
@@ -27,7 +29,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rsym.bounds.box_images import BoxImages
-from rsym.bounds.interval_arithmetic import Interval, greatest, least, negative, product, total
+from rsym.bounds.cancellations import cancelled
+from rsym.bounds.interval_arithmetic import Interval, greatest, least, negative, product, sizes, total
 from rsym.bounds.relations import relation
 from rsym.program.builder import HALF, Builder
 from rsym.program.differentiation import derivative
@@ -60,9 +63,40 @@ def sharpen(images: BoxImages, numbers: Iterable[int]) -> None:
     """Intersect the images of these nodes with their mean-value form, where it can be tighter."""
     b = images.source
     for number in sorted(numbers):
-        names = repeated(b.nodes, number, b.coordinates)
-        if names and all(b.nodes[k].operation in SMOOTH for k in live(b.nodes, [number])):
-            images.images[number] = _intersection(images.target, images[number], _mean_value(images, number, names))
+        names, poles = repeated(b.nodes, number, b.coordinates), _poles(b, number)
+        if names and poles is not None:
+            # An angle is steep: first what it is made of.
+            inner = {_within_abs(b, operand) for pole in poles for operand in pole}
+            sharpen(images, inner - images.images.keys())
+            image = _mean_value(images, number, names)
+            for pole in poles:
+                image = _off(images, pole, image)
+            images.images[number] = _intersection(images.target, images[number], image)
+
+
+def narrowed(images: BoxImages, number: int) -> Interval:
+    """The image of a node; where terms of a slope cancel, without what they have in common."""
+    other = cancelled(images.source, number)
+    return images[number] if other is None else _intersection(images.target, images[other], images[number])
+
+
+def _poles(b: Builder, number: int) -> Sequence[Sequence[int]] | None:
+    """The operands of each atan2 in a node, the first of them not negative; None where it has other jumps."""
+    nodes = [b.nodes[k] for k in live(b.nodes, [number]) if b.nodes[k].operation not in SMOOTH]
+    known = all(node.operation == "atan2" and b.nonnegative[node.arguments[0]] for node in nodes)
+    return [node.arguments for node in nodes] if known else None
+
+
+def _within_abs(b: Builder, number: int) -> int:
+    operation, arguments, _ = b.nodes[number]
+    return arguments[0] if operation == "abs" else number
+
+
+def _off(box: BoxImages, pole: Sequence[int], image: Interval) -> Interval:
+    """The image where one of the two operands of an atan2, the first not negative, is 0 nowhere; else NaN."""
+    b, (u, v) = box.target, (box[operand] for operand in pole)
+    far = greatest(b, u.lower, sizes(b, v).lower)
+    return Interval(*(b.select(far, b.const(0), end, b.undefined()) for end in (image.lower, image.upper)))
 
 
 def _mean_value(box: BoxImages, number: int, names: Sequence[str]) -> Interval:
@@ -72,7 +106,7 @@ def _mean_value(box: BoxImages, number: int, names: Sequence[str]) -> Interval:
     )
     image = centre[number]
     for name, c in middles.items():
-        slope = box[derivative(box.source, number, name)]
+        slope = narrowed(box, derivative(box.source, number, name))
         image = total(box.target, image, product(box.target, slope, _offset(box.target, box.side(name), c)))
     return image
 

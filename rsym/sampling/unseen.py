@@ -31,6 +31,10 @@ _AROUND = np.indices((3, 3)).reshape(2, -1).T - 1
 _CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
 
 
+class _TooMuch(Exception):
+    """More boxes than WORK allows."""
+
+
 class SeenLines(NamedTuple):
     """Lines by the middles (n, 2) of the sides that they cross, in indices; how many cells are unseen, and where.
 
@@ -81,22 +85,25 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
     plain = [line[::-1] for line in index_lines(signs, 0.0)]
     undefined = np.isnan(signs)
     known = ~(undefined[:-1, :-1] | undefined[1:, :-1] | undefined[:-1, 1:] | undefined[1:, 1:])
-    open_cells = _undecided(leaves, lattice, known)
-    if open_cells is None:
+    try:
+        open_cells = _undecided(leaves, lattice, known)
+        if open_cells is None:
+            return SeenLines(plain, examined=False)
+        cells = _on_lattice(open_cells, signs > 0)
+        forced, loose = [np.empty((0, 2), np.int64)] * DEPTH, np.empty((0, 2), np.int64)
+        for attempt in range(TRIES):
+            small, cut, unseen, place, size = _descended(leaves, lattice, cells, forced)
+            if small is None:
+                return SeenLines(plain)
+            apart = _elsewhere(signs > 0, known, cut)
+            every = _Cells(*(np.concatenate(parts) for parts in zip(apart, small, strict=True)))
+            every = every.take(every.crossed)
+            loose = _loose(every, lattice)
+            if not len(loose):
+                break
+            forced = [np.concatenate([old, _larger(loose, depth, 2**attempt)]) for depth, old in enumerate(forced)]
+    except _TooMuch:
         return SeenLines(plain, examined=False)
-    cells = _on_lattice(open_cells, signs > 0)
-    forced, loose = [np.empty((0, 2), np.int64)] * DEPTH, np.empty((0, 2), np.int64)
-    for attempt in range(TRIES):
-        small, cut, unseen, place, size = _descended(leaves, lattice, cells, forced)
-        if small is None:
-            return SeenLines(plain)
-        apart = _elsewhere(signs > 0, known, cut)
-        every = _Cells(*(np.concatenate(parts) for parts in zip(apart, small, strict=True)))
-        every = every.take(every.crossed)
-        loose = _loose(every, lattice)
-        if not len(loose):
-            break
-        forced = [np.concatenate([old, _larger(loose, depth, 2**attempt)]) for depth, old in enumerate(forced)]
     lines = [line / UNIT for line in lines_through(every.sides, every.high)]
     if len(loose) and not unseen:
         unseen, place, size = len(loose), lattice.points(loose[0] / UNIT), max(lattice.spacing) / PARTS**DEPTH
@@ -119,12 +126,13 @@ def _descended(
         unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
         place = finer.points(looked.first[found.unseen][:1] + 0.5)
         cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
-        if len(cells.first) * leaves.operations > WORK:
+        try:
+            undecided = _holds(leaves, finer, cells.first, 1)
+            if np.count_nonzero(undecided) > MOST:
+                break
+            looked, found = _look(leaves, finer, cells.take(undecided), forced[depth] if depth < DEPTH else cut[:0])
+        except _TooMuch:
             break
-        undecided = _holds(leaves, finer, cells.first, 1)
-        if np.count_nonzero(undecided) > MOST:
-            break
-        looked, found = _look(leaves, finer, cells.take(undecided), forced[depth] if depth < DEPTH else cut[:0])
         unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
         place = finer.points(looked.first[found.unseen][:1] + 0.5)
         if not found.cut.any() or depth == DEPTH:
@@ -216,7 +224,7 @@ def _undecided(leaves: PlaneLeaves, lattice: Lattice, known: Flags) -> Ints | No
         size //= 2
         blocks = (blocks[:, None] + size * _CORNERS).reshape(-1, 2)
         blocks = blocks[(blocks < known.shape).all(axis=1)]
-        if len(blocks) > 16 * MOST or len(blocks) * leaves.operations > WORK:
+        if len(blocks) > 16 * MOST:
             return None
     blocks = blocks[known[tuple(blocks.T)]]
     return blocks if len(blocks) <= MOST else None
@@ -224,6 +232,8 @@ def _undecided(leaves: PlaneLeaves, lattice: Lattice, known: Flags) -> Ints | No
 
 def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: float) -> Flags:
     """Whether blocks of cells may hold a line."""
+    if len(first) * leaves.operations > WORK:
+        raise _TooMuch
     return np.asarray(leaves.signs_over(lattice.points(first), lattice.points(first + size)) == 0)
 
 
@@ -309,10 +319,18 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
     near = np.repeat(~wild, PARTS**2).reshape(-1, PARTS, PARTS)
     for down, right in _AROUND + 1:
         near |= crossed[:, down : down + PARTS, right : right + PARTS]
+    own, size = np.flatnonzero(~near.all(axis=(1, 2))), PARTS
+    rest = np.zeros((len(own), 2), np.int64)
+    while size > 1:
+        size //= 2
+        own, rest = np.repeat(own, 4), (rest[:, None] + size * _CORNERS).reshape(-1, 2)
+        blocks = (~near).reshape(len(high), PARTS // size, size, PARTS // size, size).any(axis=(2, 4))
+        some = blocks[own, rest[:, 0] // size, rest[:, 1] // size]
+        own, rest = own[some], rest[some]
+        some = _holds(leaves, lattice, cells.first[own] + rest / PARTS, size / PARTS)
+        own, rest = own[some], rest[some]
+    rest += PARTS * cells.first[own]
     parts = PARTS * cells.first[:, None, None] + np.moveaxis(np.indices((PARTS, PARTS)), 0, -1)
-    own, rest = np.nonzero(~near)[0], parts[~near]
-    some = _holds(leaves, lattice, rest / PARTS, 1 / PARTS)
-    own, rest = own[some], rest[some]
     beside = _number(parts[crossed[:, 1:-1, 1:-1]], (rest[:, None] + _AROUND).reshape(-1, 2)).reshape(-1, 9)
     doubtful = np.zeros(len(high), np.bool_)
     doubtful[own[(beside < 0).all(axis=1)]] = True

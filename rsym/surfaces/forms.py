@@ -8,6 +8,9 @@ s d, 0 <= s <= 1, the forms in the basis (a, p_v) are those of
 with w = p_uuv at the pole. There w lies in the tangent plane, w = alpha a + beta p_v, and as n is perpendicular to a
 and p_v, n . w/d = -n . (alpha mean of (1 - s) p_uvv + beta mean of p_vv). So nothing is divided by d, which may be 0.
 At the apex of a cone w is not in that plane: the curvature grows as 1/d, and at the apex there is none.
+
+Where a parameter stands still on an edge, p_v = 0 = p_uv there, s = d**2/2 runs in its place: p_s = p_v/d tends to a =
+p_vv. The forms in the basis (p_u, a) have M = n . p_uvv and N = n . p_vvvv/3, or none where p_vvv leaves the plane.
 """
 
 from __future__ import annotations
@@ -36,6 +39,7 @@ AT_END, VANISHED = 1e-5, 1e-9
 NODES, WEIGHTS = (0.5 - 0.15**0.5, 0.5, 0.5 + 0.15**0.5), (5 / 18, 8 / 18, 5 / 18)
 
 SECOND = ((1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+STILL = ((1, 0), (0, 2), (2, 0), (1, 2), (0, 3), (0, 4))
 POLE = ((1, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 1), (2, 2))
 
 
@@ -127,7 +131,30 @@ def limit_forms(surface: HasDerivatives, u: ArrayLike, v: ArrayLike, letters: Le
             n[near] = np.where(sure[:, None], normal, n[near])
             for known, limit in zip(found, limits, strict=True):
                 known[near] = np.where(used, limit, known[near])
+    for axis, (gone, second, size) in enumerate(zip((p_u, p_v), (p_uu, p_vv), _lengths(surface), strict=True)):
+        least = VANISHED * size * norm(second)
+        still = (norm(gone) <= least) & (norm(p_uv) <= least) & (least > 0)
+        if still.any():
+            places = _places(u, v, still)
+            n[still], limits = _still_forms(surface, places, axis, letters)
+            for known, limit in zip(found, limits, strict=True):
+                known[still] = limit
     return Forms(n, *found)
+
+
+def _still_forms(
+    surface: HasDerivatives, places: list[Floats], axis: int, letters: LetterValues
+) -> tuple[Floats, list[Floats]]:
+    """Normal and forms on an edge on which the parameter of an axis stands still, NaN elsewhere."""
+    low, high = surface.domain[axis]
+    side = np.where(places[axis] == low, 1.0, np.where(places[axis] == high, -1.0, np.nan))
+    orders = [order if axis == 1 else order[::-1] for order in STILL]
+    along, a, bent, twist, off, steep = surface.derivatives(*places, orders, letters=letters)
+    a, twist = side[:, None] * a, side[:, None] * twist
+    n = _unit(np.cross(along, a) if axis == 1 else np.cross(a, along))
+    there = np.where(np.abs(dot(n, off)) <= APEX * norm(a) / (high - low), dot(n, steep) / 3, np.nan)
+    forms = [dot(along, along), dot(along, a), dot(a, a), dot(n, bent), dot(n, twist), there]
+    return n, forms if axis == 1 else [forms[k] for k in (2, 1, 0, 5, 4, 3)]
 
 
 def _pole_forms(
@@ -189,7 +216,9 @@ def _mean(values: Floats, weights: Sequence[float] = (1.0, 1.0, 1.0)) -> Floats:
 def _poles(tangents: tuple[Floats, Floats], p_uv: Floats, near: Sequence[Any]) -> tuple[Flags, Flags]:
     """Where p_u vanishes beside p_uv, nearer in v than the second of two distances, and where p_v does."""
     turning = norm(p_uv)
-    at_u, at_v = (norm(one) < distance * turning for one, distance in zip(tangents, near[::-1], strict=True))
+    at_u, at_v = (
+        (norm(one) <= distance * turning) & (turning > 0) for one, distance in zip(tangents, near[::-1], strict=True)
+    )
     return at_u & ~at_v, at_v & ~at_u
 
 

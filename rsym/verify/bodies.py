@@ -42,6 +42,7 @@ from rsym.verify.cover.subdivision import Subdivision, joined_boxes
 from rsym.verify.curves.tracing import trace
 from rsym.verify.everywhere import exists_for_every_value, for_every_value
 from rsym.verify.holes import holes
+from rsym.verify.lacking import lacking
 from rsym.verify.points.space import classify_points
 
 BUDGET = 1_000_000  # boxes: a ball takes 8 000, the car 120 000
@@ -157,7 +158,8 @@ def report_body(study: Study, *, sharpened: bool = True) -> BodyReport:
     effort.begin("curvatures", SHARES[3])
     bent = bending(study.images, found, effort) if sharpened and exists else UNBOUNDED
     effort.finish()
-    gaps = () if study.ranging else holes(model, [box for box, _ in found.left])
+    left = [box for box, _ in found.left]
+    gaps = (*(() if study.ranging else holes(model, left)), *lacking(model, left, study.naming))
     said = conclude(tally, everything, 3, (*gaps, *_repeated(study), *effort.statements), ranging=study.ranging)
     draft = BodyReport(
         verdict=said.verdict,

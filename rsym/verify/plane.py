@@ -32,6 +32,7 @@ from rsym.verify.cover.arcs import ArcInspector
 from rsym.verify.cover.covering import Covering, bounds_of_omega, cover, extent_of, halves, pruner, settled_finely
 from rsym.verify.cover.inspection import Inspection
 from rsym.verify.holes import holes
+from rsym.verify.lacking import lacking
 from rsym.verify.points.clusters import Cluster
 from rsym.verify.points.plane import classify_joints
 from rsym.verify.revolution import meridian
@@ -132,7 +133,8 @@ def report_curve(study: CurveStudy, *, sharpening: int = SHARPENING) -> Smoothne
         sharpened_bound(study.model, study.found.settled, extent, sharpening, effort) if _is_curve(tally) else math.inf
     )
     effort.finish()
-    gaps = holes(study.model, [box for box, _ in study.found.left])
+    open_boxes = [box for box, _ in study.found.left]
+    gaps = (*holes(study.model, open_boxes), *lacking(study.model, open_boxes))
     said = conclude(tally, places, 2, (*gaps, *effort.statements), ranging=len(study.region) > 2)
     defects = [joint for joint in places if is_defect(joint)]
     draft = SmoothnessReport(

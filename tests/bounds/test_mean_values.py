@@ -95,6 +95,23 @@ def test_a_jump_is_not_differentiated():
     assert high >= 1.01
 
 
+def test_an_angle_that_crosses_no_cut_is_differentiated_off_its_pole():
+    assert not sharpened(sp.atan2(y, x) + x * y)
+    assert sharpened(sp.atan2(sp.Abs(y), x) + x * y)
+    # An involute's: the two terms cancel, and so do their slopes.
+    low, high = function_of(sp.atan2(sp.Abs(x), 1) - sp.Abs(x))([0.5, 0, 0], [0.51, 0, 0])["value"]
+    assert high - low < 0.01 * 0.51**2
+    # On its circle both are infinite and the difference is 0.
+    t = sp.sqrt(sp.Abs(x**2 + y**2 - 1))
+    program = program_of(rsym.Shape(sp.atan(t) - t, (x, y)), ("gradient",))
+    for low, high in IntervalFunction(program, "numpy")([0.7, 0.7], [0.72, 0.72], {}).values():
+        assert -0.2 < low < 0 < high < 0.2  # at most |x|*t/(x**2 + y**2)
+    low, high = function_of(jump := sp.atan2(sp.Abs(y), y) + y * x)([0.0, -3.0, 0.0], [0.0, 1.0, 0.0])["value"]
+    assert sharpened(jump)
+    assert low <= np.pi / 4
+    assert high >= 3 * np.pi / 4
+
+
 def test_uses_of_shared_parts_count_each_time():
     program = program_of(rsym.Shape((x + y) ** 2 + (x + y) * z, (x, y, z)), ("value",))
     assert repeated(program.nodes, dict(program.outputs)["value"], ("x", "y", "z")) == ("x", "y")

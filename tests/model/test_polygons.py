@@ -240,6 +240,7 @@ def test_a_symmetric_polygon_is_an_even_motif(name):
                 rsym.row(made, 10, axis=axis, count=2)
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("sides", range(3, 13))
 def test_a_regular_polygon_is_an_even_motif(sides):
     made = regular_polygon(sides, 2)

@@ -141,6 +141,7 @@ def test_points_on_the_boundary_of_many_discs_lie_on_their_circles(discs):
 SLOW = ["gear", "car", "spring", "solids", "vase", "lattice", "jack", "gyroid", "snowflake"]
 
 
+@pytest.mark.filterwarnings("ignore:.*Unresolved in")  # the middle plane of the car touches the holes of its headlights
 @pytest.mark.parametrize("model", ["bracket", *(pytest.param(model, marks=pytest.mark.slow) for model in SLOW)])
 def test_sections_and_extents_have_the_same_bits_by_tapes(model, monkeypatch):
     def looked_at(look):

@@ -296,3 +296,18 @@ def test_what_is_no_patch_is_refused():
     with pytest.raises(RsymError, match="angle must be positive"):
         continuity_report([FLOOR], angle=0)
     assert continuity_report([]).continuity is None
+
+
+@pytest.mark.parametrize(
+    ("height", "continuity"), [(0, "G2"), (v**6, "G2"), (v**4, "G1"), (v**3, "G1"), (v**2, "G0")], ids=str
+)
+@pytest.mark.parametrize("flipped", [False, True])
+def test_an_edge_on_which_a_parameter_stands_still(height, continuity, flipped):
+    """With w = v**2 the second patch is z = w**3, w**2 (curvature 2), w**1.5 (unbounded), w (a kink of 45 degrees)."""
+    floor, wall = ParametricSurface((u, v, 0)), (u, -(v**2), height)
+    if flipped:
+        wall = [sp.sympify(part).subs(v, 1 - v) for part in wall]
+    report = continuity_report([floor, ParametricSurface(wall)])
+    assert report.continuity == continuity
+    if continuity == "G0":
+        assert_close(report.edges[0].angle.value, 45.0, atol=1e-9)

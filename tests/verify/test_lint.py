@@ -387,6 +387,7 @@ def test_many_functions_at_points_of_their_own_have_the_bits_of_one_kernel_of_al
     assert np.abs(squares - (radii**2)[:, None]).min(axis=0).max() < 1e-14
 
 
+@pytest.mark.slow
 def test_a_fault_among_many_discs_is_found_and_not_all_of_them_are_asked_everywhere(monkeypatch):
     points = []
     plain = Functions.__call__

@@ -38,6 +38,7 @@ def test_what_is_not_noticed_has_a_reason():
     assert all(AIMS[name] for name in set(names) - set(UNNOTICED))
 
 
+@pytest.mark.random
 @pytest.mark.parametrize("mutation", [one for one in MUTATIONS if one.name not in UNNOTICED], ids=lambda one: one.name)
 def test_a_proof_obligation_that_is_dropped_is_noticed(mutation):
     """Red proofs: without the step something false is said of a shape that is aimed at it."""

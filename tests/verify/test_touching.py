@@ -6,6 +6,8 @@ from oracles.tiers import of_the_day
 
 import rsym
 from rsym import conjunction, disjunction, x, y, z
+from rsym.verify.boxes.local import Model
+from rsym.verify.points.space import classify_points
 
 DISC = 1 - x**2 - y**2
 
@@ -187,3 +189,61 @@ def test_a_stadium_as_a_union_of_three():
 def test_what_touches_otherwise_is_never_certified(expression, reach):
     """Within bounds no wider than the touching asks, so that the boxes get as small as they can."""
     assert rsym.verify_smoothness(body(expression, reach), method=SPACE, budget=8_000).verdict != "CERTIFIED"
+
+
+# --- contacts where no coordinate is rational: by resultants --------------------------------------------------------
+
+HALF_ROOT = sp.sqrt(2) / 2
+TINY = sp.Rational(1, 10**9)
+
+
+def disc(radius, a=0, b=0):
+    return rsym.Shape(radius**2 - (x - a) ** 2 - (y - b) ** 2, (x, y), bounds=((-4, 4), (-4, 4)))
+
+
+@pytest.mark.parametrize("direction", [(HALF_ROOT, HALF_ROOT), (sp.sqrt(3) / 2, -sp.S.Half), (sp.Rational(3, 5), 0.8)])
+def test_circles_that_touch_anywhere(direction):
+    a, b = (sp.nsimplify(part) for part in direction)
+    inside, outside = disc(1, a, b), disc(1, 3 * a, 3 * b)
+    assert word(rsym.verify_smoothness(disc(2) | inside)) == ("CERTIFIED", "analytic")
+    report = rsym.verify_smoothness(disc(2) | outside)
+    assert (report.verdict, report.defects[0].kind, report.defects[0].proved) == ("DEGENERATE", "node", True)
+
+
+@pytest.mark.parametrize("more", [TINY, 1000 * TINY, 10**6 * TINY])
+def test_circles_that_nearly_touch_are_not_said_to(more):
+    assert word(rsym.verify_smoothness(disc(2) | disc(1 + more, HALF_ROOT, HALF_ROOT))) == ("REFUTED", "G0")
+    apart = rsym.verify_smoothness(disc(2) | disc(1 - more, 3 * HALF_ROOT, 3 * HALF_ROOT))
+    assert apart.verdict in {"CERTIFIED", "UNDECIDED"}
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        rsym.sphere(3) | rsym.torus(2, 1),
+        rsym.Shape((1 + sp.sqrt(5)) ** 2 - x**2 - y**2 - (z - 1) ** 2, (x, y, z)) | rsym.torus(2, 1),
+        rsym.torus(2, 1) - rsym.Shape(z - 1, (x, y, z)),
+        rsym.sphere(1 + sp.sqrt(2)) | rsym.torus(sp.sqrt(2), 1),
+    ],
+    ids=["equator", "irrational circle", "lid", "irrational radius"],
+)
+def test_bodies_that_touch_along_circles_from_inside(shape):
+    assert word(rsym.verify_smoothness(shape)) == ("CERTIFIED", "analytic")
+
+
+@pytest.mark.parametrize("more", [-TINY, TINY, 10**6 * TINY])
+def test_bodies_that_nearly_touch_along_circles_are_not_said_to(more):
+    report = rsym.verify_smoothness(rsym.sphere(3) | rsym.torus(2, 1 + more))
+    assert report.verdict in ({"REFUTED", "UNDECIDED"} if more > 0 else {"CERTIFIED", "UNDECIDED"})
+
+
+def test_a_point_stands_for_the_line_along_which_cylinders_touch_from_outside():
+    pair = body(disjunction(DISC, 1 - (x - sp.sqrt(2)) ** 2 - (y - sp.sqrt(2)) ** 2))
+    middle, width = float(HALF_ROOT), 2.0**-9
+    box = ((middle - width / 3, middle + width / 2),) * 2
+    left = [((*box, (k * width, (k + 1) * width)), None) for k in range(60)]
+    found = classify_points(Model(pair, {}), left, 2.0)
+    (point,) = found.points
+    assert (point.kind, point.continuity, point.proved) == ("tangency", "broken", True)
+    one = body(disjunction(DISC, conjunction(DISC, x + y - sp.sqrt(2))))  # the plane touches what the disc covers
+    assert not [p for p in classify_points(Model(one, {}), left, 2.0).points if p.continuity == "broken"]

@@ -113,6 +113,37 @@ def test_of_a_range_that_ends_where_an_operation_has_no_value_the_end_is_named()
         rsym.verify_smoothness(shape, letters={letter: (1, 2)})
 
 
+@pytest.mark.parametrize(
+    ("omega", "missing"),
+    [
+        (
+            y - abs(x) ** (sp.pi / 2),
+            "near (0, 0): derivatives of omega have no bound where the base of its power",
+        ),
+        (
+            y - x**2 * sp.log(abs(x)),
+            ": derivatives of omega have no bound where what it takes the logarithm of",
+        ),
+        (y + sp.sin(1 / x), ": derivatives of omega have no bound where its denominator vanishes"),
+        (rsym.conjunction(y, y + x * abs(x)), "near (0, 0): a leaf has other formulas across a switch"),
+        (rsym.conjunction(1 - x**2 - y**2, 2 - y - sp.cos(x)), "+ 1 and a leaf may touch, as their gradients may be"),
+    ],
+    ids=["power", "logarithm", "denominator", "switch", "contact"],
+)
+def test_what_was_missing_is_said_with_its_place(omega, missing):
+    report = rsym.verify_smoothness(rsym.Shape(omega, (x, y), bounds=((-2, 2), (-2, 2))), budget=300)
+    assert report.verdict == "UNDECIDED"
+    assert any(missing in sentence for sentence, proved in report.statements if not proved)
+    assert missing in str(report)
+
+
+def test_what_was_missing_in_space_is_said_with_its_place_and_names():
+    roof, lid = rsym.Shape(sp.cos(x) - z, (x, y, z)).named("roof"), rsym.Shape(1 - z, (x, y, z)).named("lid")
+    report = rsym.verify_smoothness(roof & lid, bounds=((-2, 2),) * 3, budget=5000)
+    assert report.verdict == "UNDECIDED"
+    assert "roof and lid may touch, as their gradients may be parallel" in str(report)
+
+
 TINY = sp.Rational(1, 10**7)
 BESIDE = (sp.Rational(3, 2), 0)
 
@@ -124,7 +155,7 @@ BESIDE = (sp.Rational(3, 2), 0)
         (rsym.disc(TINY, (sp.sqrt(2), sp.Rational(1, 3))), "CERTIFIED"),
         (rsym.rectangle(TINY, TINY, BESIDE), "REFUTED"),
         (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + TINY, 0)), "REFUTED"),
-        (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + 2 * TINY, 0)), "UNDECIDED"),
+        (rsym.disc(TINY, BESIDE) | rsym.disc(TINY, (sp.Rational(3, 2) + 2 * TINY, 0)), "DEGENERATE"),
         (rsym.Shape(-((x - sp.Rational(3, 2)) ** 2) - y**2, (x, y)), "DEGENERATE"),
     ],
     ids=["disc", "irrational", "square", "overlap", "touching", "point"],

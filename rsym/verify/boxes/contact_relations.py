@@ -6,11 +6,17 @@ negative, g is nowhere on the wrong side of f: one of both is absorbed. Along f 
 A leaf with square roots has such a polynomial too: (A + B r)(A - B r) = A**2 - B**2 s, with r = sqrt(s). Where the
 conjugate A - B r has one sign the leaf has the sign of that polynomial, or the opposite one: the zeros of
 R - sqrt(x**2 + y**2) are those of R**2 - x**2 - y**2, as R + sqrt(x**2 + y**2) is positive.
+
+Where no remainder shows a contact the resultant by one coordinate may: it is h = s P_g - q P_f, free of that
+coordinate, and has a double factor where the surfaces touch: of a ball and a torus in it, or of two circles that touch
+where no coordinate is rational. Where s and q have their signs it is a remainder like others.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import sympy as sp
 
@@ -20,14 +26,16 @@ from rsym.verify.boxes.polynomials import polynomial_of
 
 CANDIDATES = 4  # rests of a pair, by different orders of the coordinates
 FACTORED = 80  # terms of a rest that is factored
+ELIMINATED = 16  # product of two degrees in a coordinate that is eliminated
 
 
 @dataclass(frozen=True)
 class Contact:
-    """P_second = quotient P_first + sign * product of factor**power; sign 0 where nothing is left. All are nodes."""
+    """multiplier P_second = quotient P_first + sign * product of factor**power; sign 0 where nothing is left: nodes."""
 
     first: int
     second: int
+    multiplier: int
     quotient: int
     sign: int
     factors: tuple[tuple[int, int], ...]
@@ -68,25 +76,28 @@ class Contacts:
             return []
         if first[0].polynomial.total_degree() > second[0].polynomial.total_degree():
             f, g, first, second = g, f, second, first
-        rests: dict[sp.Poly, sp.Poly] = {}
-        for quotient, rest in _divisions(second[0].polynomial, first[0].polynomial):
-            if not quotient.is_zero and len(rest.terms()) <= FACTORED:
-                rests.setdefault(rest, quotient)
-        found = [self._contact(f, g, quotient, rest) for rest, quotient in rests.items()]
-        # Any two polynomials are related somehow: those touch, or have a face in common, whose rest says so.
-        found = [one for one in found if one.sign == 0 or any(power > 1 for _, power in one.factors)]
+        for ways in (_divisions, _resultants):
+            rests: dict[sp.Poly, tuple[sp.Poly, sp.Poly]] = {}
+            for multiplier, quotient, rest in ways(second[0].polynomial, first[0].polynomial):
+                if not quotient.is_zero and len(rest.terms()) <= FACTORED:
+                    rests.setdefault(rest, (multiplier, quotient))
+            found = [self._contact(f, g, *factors, rest) for rest, factors in rests.items()]
+            # Any two polynomials are related somehow: those touch, or have a face in common, whose rest says so.
+            found = [one for one in found if one.sign == 0 or any(power > 1 for _, power in one.factors)]
+            if found:
+                break
         found.sort(key=lambda one: sum(power % 2 for _, power in one.factors))
         return found[:CANDIDATES]
 
-    def _contact(self, f: int, g: int, quotient: sp.Poly, rest: sp.Poly) -> Contact:
+    def _contact(self, f: int, g: int, multiplier: sp.Poly, quotient: sp.Poly, rest: sp.Poly) -> Contact:
         constant, factors = rest.factor_list() if not rest.is_zero else (sp.Integer(0), [])
         nodes = []
         for factor, power in factors:
             node = lower(self.model.builder, factor.as_expr())
             self._factors[node] = factor
             nodes.append((node, power))
-        made = lower(self.model.builder, quotient.as_expr())
-        return Contact(f, g, made, int(sp.sign(constant)), tuple(nodes))
+        made = (lower(self.model.builder, one.as_expr()) for one in (multiplier, quotient))
+        return Contact(f, g, *made, int(sp.sign(constant)), tuple(nodes))
 
     def multiple(self, leaf: int, factor: int) -> tuple[int, int]:
         """The power of the factor of a relation that the polynomial of a leaf has, and the node of what is left."""
@@ -102,14 +113,39 @@ class Contacts:
         return self._multiples[leaf, factor]
 
 
-def _divisions(dividend: sp.Poly, divisor: sp.Poly) -> list[tuple[sp.Poly, sp.Poly]]:
+Related: TypeAlias = tuple[sp.Poly, sp.Poly, sp.Poly]  # multiplier, quotient and rest
+
+
+def _divisions(dividend: sp.Poly, divisor: sp.Poly) -> Iterator[Related]:
     """Quotients and remainders, each coordinate being the leading one in turn."""
-    gens, found = dividend.gens, []
+    gens = dividend.gens
     for turn in range(len(gens)):
         order = gens[turn:] + gens[:turn]
         (quotient,), rest = sp.reduced(dividend.as_expr(), [divisor.as_expr()], *order, order="lex", domain=sp.QQ)
-        found.append((sp.Poly(quotient, *gens, domain=sp.QQ), sp.Poly(rest, *gens, domain=sp.QQ)))
-    return found
+        yield (dividend.one, *(sp.Poly(one, *gens, domain=sp.QQ) for one in (quotient, rest)))
+
+
+def _resultants(second: sp.Poly, first: sp.Poly) -> Iterator[Related]:
+    """What is left of two polynomials when a coordinate is eliminated: Euclid's algorithm, with both factors."""
+    gens = first.gens
+    for gen in gens:
+        degrees = first.degree(gen), second.degree(gen)
+        if 0 in degrees or degrees[0] * degrees[1] > ELIMINATED:
+            continue
+        ring = sp.QQ.poly_ring(*(other for other in gens if other != gen)) if len(gens) > 1 else sp.QQ
+        rows = [(first, first.zero, first.one), (second, second.one, first.zero)]  # rest, multiplier, factor of first
+        rows = [tuple(sp.Poly(one.as_expr(), gen, domain=ring) for one in row) for row in rows]
+        rows.sort(key=lambda row: -int(row[0].degree()))
+        while rows[1][0].degree() > 0:
+            own, other = rows
+            steps = int(own[0].degree()) - int(other[0].degree()) + 1
+            scale = other[0].LC() ** steps
+            quotient = own[0].pdiv(other[0])[0]
+            rows = [other, tuple(a * scale - quotient * b for a, b in zip(own, other, strict=True))]
+        rest, multiplier, factor = (sp.Poly(one.as_expr(), *gens, domain=sp.QQ) for one in rows[1])
+        if not rest.is_zero and not multiplier.is_zero:
+            shared = sp.gcd(sp.gcd(rest, multiplier), factor)
+            yield tuple(one.quo(shared) for one in (multiplier, -factor, rest))
 
 
 def contacts_of(model: Model) -> Contacts:

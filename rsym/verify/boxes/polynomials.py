@@ -26,8 +26,8 @@ def polynomial_of(
 ) -> sp.Expr | None:
     """The node as a polynomial of the coordinates with rational coefficients, if it is one of moderate size.
 
-    With `roots`, square roots may stand in it too, as symbols, to which their radicands are added there. If `free`,
-    everything else may too, as symbols that know nothing of each other: cos(pi/7), sqrt(1 - x), a letter that ranges.
+    With `roots`, square roots and moduli may stand in it too, as symbols, to which their squares are added there. If
+    `free`, everything else may too, as symbols that know nothing of each other: cos(pi/7), a letter that ranges.
     """
     if len(model.order(number)) > LARGEST:
         return None
@@ -52,9 +52,9 @@ def polynomial_of(
             parts[part] = inner[0] ** int(str(data))
         elif operation == "div" and inner[1].is_Rational and inner[1] != 0:
             parts[part] = inner[0] / inner[1]
-        elif operation == "sqrt" and roots is not None:
+        elif operation in {"sqrt", "abs"} and roots is not None:
             parts[part] = sp.Dummy(real=True)
-            roots[parts[part]] = inner[0]
+            roots[parts[part]] = inner[0] if operation == "sqrt" else inner[0] ** 2
         elif free:
             parts[part] = _opaque(part)
         else:

@@ -1,12 +1,12 @@
 """Sheets that touch along a whole curve: what the logic makes of leaves that are related by exact division.
 
-On a box let P_g = q P_f + R, with q of one sign there and R = h u**k, h of one sign or not changing it
+On a box let s P_g = q P_f + R, with s and q of one sign there and R = h u**k, h of one sign or not changing it
 (`contact_relations`). Then the sign of g is never below (or above) that of q f where R is not below (above) zero, and
 both are the same where u = 0. These are all combinations of signs that can occur, so:
 - where the formula has the sign of one leaf in all of them, the boundary on the box is that leaf: of a ball that lies
   in a tube and touches it along a circle, nothing is left;
 - where it has that of one leaf for u > 0 and that of the other for u < 0, and of both for u = 0, the boundary consists
-  of {q P_f = 0} and {P_g = 0}, one on either side of u = 0, which agree there to the order k: their difference is
+  of {q P_f = 0} and {s P_g = 0}, one on either side of u = 0, which agree there to the order k: their difference is
   h u**k. So a cylinder meets a ball in a capsule, with k = 2, whatever leaf it is that ends them there.
 """
 
@@ -34,7 +34,7 @@ class Relation:
     Attributes
     ----------
     ways : pair of int
-        What the signs of the leaves are multiplied by to be those of q P_f and of P_g.
+        What the signs of the leaves are multiplied by to be those of q P_f and of s P_g.
     above : int
         The sign of the rest but for its switch: 0 where there is no rest.
     switch : int or None
@@ -137,7 +137,7 @@ def _relation(local: Local, contacts: Contacts, contact: Contact) -> Relation | 
     assert forms[0] is not None
     assert forms[1] is not None
     quotient = _sign(local, contact.quotient)
-    ways = forms[0][0].sign(local) * quotient, forms[1][0].sign(local)
+    ways = forms[0][0].sign(local) * quotient, forms[1][0].sign(local) * _sign(local, contact.multiplier)
     if 0 in ways:
         return None
     above, zeros = contact.sign, []
@@ -185,15 +185,16 @@ def _switched(
 def _meeting(
     local: Local, contacts: Contacts, relation: Relation, chosen: Sequence[Choice], switch: int, power: int
 ) -> Meeting | None:
-    """The leaves q P_f and P_g, both with the inside where they are positive: they differ by a multiple of u**k."""
+    """The leaves q P_f and s P_g, both with the inside where they are positive: they differ by a multiple of u**k."""
     builder, contact = local.model.builder, relation.contact
     ways = dict(zip((contact.first, contact.second), relation.ways, strict=True))
     signs = {ways[leaf] * sign for leaf, sign in chosen}
     forms = contacts.form(contact.first), contacts.form(contact.second)
     if len(signs) != 1 or forms[0] is None or forms[1] is None:
         return None
-    functions = {contact.first: builder.mul(contact.quotient, forms[0][1]), contact.second: forms[1][1]}
-    contacts.leaves[functions[contact.first]] = contact.first
+    factors = {contact.first: contact.quotient, contact.second: contact.multiplier}
+    functions = {leaf: builder.mul(factors[leaf], form[1]) for leaf, form in zip(factors, forms, strict=True)}
+    contacts.leaves |= {node: leaf for leaf, node in functions.items()}
     (sign,) = signs
     nodes = []
     for leaf, _ in chosen:

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
-from itertools import combinations, islice, pairwise
+from itertools import combinations, islice, pairwise, permutations
 
 from rsym.bounds.balls import ctx
 from rsym.logic.stripping import bare
+from rsym.verify.boxes.contact_relations import contacts_of
 from rsym.verify.boxes.generators import Generators, generators, square_roots
 from rsym.verify.boxes.local import PRECISION, Box, Local, Model
 from rsym.verify.boxes.locus import Locus
@@ -72,6 +73,23 @@ def across(model: Model, f: int, g: int, k: int) -> tuple[int, int]:
     return first, second
 
 
+def _of_contacts(model: Model, f: int, g: int) -> Iterator[Equations]:
+    """One of two leaves that touch, and a double factor h of their relation s P_g = q P_f + h**2 ...
+
+    Where both vanish the other leaf does, if s and its conjugates do not, and both gradients are parallel.
+    """
+    b, contacts = model.builder, contacts_of(model)
+    p, q = model.gradient(f), model.gradient(g)
+    parallel = [b.sub(b.mul(p[i], q[j]), b.mul(p[j], q[i])) for i, j in permutations(range(len(p)), 2)]
+    for contact in contacts.between(f, g):
+        form = contacts.form(contact.second)
+        nonzero = () if form is None else (contact.multiplier, *form[0].conjugates)
+        for factor, power in contact.factors:
+            if power > 1:
+                implied = [(factor, node) for node in (contact.second, *parallel)]
+                yield Equations((contact.first, factor), tuple(implied), nonzero)
+
+
 def _of_powers(model: Model, leaf: int, found: Generators) -> Iterator[Equations]:
     """A switch under powers of its modulus, and the leaf without these."""
     nodes = model.builder.nodes
@@ -83,20 +101,22 @@ def _of_powers(model: Model, leaf: int, found: Generators) -> Iterator[Equations
             yield Equations((switch, rest), tuple((part, leaf) for part in own[:1]))
 
 
-def cuts_of_powers(local: Local, leaf: int, middle: Sequence[float]) -> Iterator[Equations]:
-    """As `_of_powers`, in a plane through the middle of a box in space, across each axis in turn."""
+def cuts_of_curves(local: Local, leaves: Sequence[int], middle: Sequence[float]) -> Iterator[Equations]:
+    """What vanishes along a curve, of one leaf with powers or two that touch, in planes through the middle of a box."""
     with ctx.workprec(PRECISION):
-        found = generators(local, leaf)
-    builder = local.model.builder
-    for equations in _of_powers(local.model, leaf, found):
+        found = generators(local, leaves[0])
+    model, builder = local.model, local.model.builder
+    single = len(leaves) == 1
+    for equations in _of_powers(model, leaves[0], found) if single else _of_contacts(model, leaves[0], leaves[1]):
         for name, value in zip(builder.coordinates, middle, strict=True):
             plane = builder.sub(builder.input(name), builder.const(Fraction(value)))
-            yield Equations((*equations.nodes, plane), equations.implied)
+            yield equations._replace(nodes=(*equations.nodes, plane))
 
 
 def systems_in_plane(model: Model, box: Box, locus: Locus) -> Iterator[Equations]:
     """Two nodes that may vanish together where the locus of a box is singular."""
     if locus.kind in {"conjunction", "disjunction", "product"}:
+        yield from _of_contacts(model, *locus.nodes[:2])
         yield Equations(locus.nodes[:2])
     leaf = locus.nodes[0] if locus.kind == "leaf" else model.root
     with ctx.workprec(PRECISION):

@@ -4,11 +4,14 @@ At a zero p of a leaf and of its gradient the leaf is like its quadratic form, i
 cone if it has both signs, an isolated point if it has one. Where f = g = 0 and grad g = k grad f, the surfaces are
 graphs over one tangent plane, and g is there on f = 0 like the quadratic form Q of g - k f on that plane. If Q has
 one sign, g has it on all of f = 0 but p: small spheres are cut by two curves that do not meet. If it has both, the
-curves cross in four points. Source: Milnor, Morse Theory (1963), lemma 2.2.
+curves cross in four points. Where s P_g = q P_f + c h**k with k even, grad h and grad f independent, and s, q, c not 0,
+the surfaces touch along f = h = 0, and g has one sign beside that on f = 0: the curves touch in two points.
+Source: Milnor, Morse Theory (1963), lemma 2.2.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -18,7 +21,9 @@ from flint import arb_mat
 
 from rsym.bounds.balls import arb
 from rsym.logic.kleene import Formula, ternary
+from rsym.verify.boxes.contact_relations import contacts_of
 from rsym.verify.boxes.local import Local
+from rsym.verify.boxes.vanishing import Exact
 
 
 @dataclass(frozen=True)
@@ -90,6 +95,31 @@ def touching(at: Local, f: int, g: int, formula: Formula) -> Judgement | None:
     return None if signs is None else _judged(formula, 1 if ratio > 0 else -1, signs)
 
 
+def touching_along(known: Exact, at: Local, f: int, g: int, formula: Formula) -> Judgement | None:
+    """As `touching`, of two leaves that touch along a curve through the point, by a relation of their polynomials."""
+    contacts = contacts_of(at.model)
+    for contact in contacts.between(f, g):
+        forms = contacts.form(contact.first), contacts.form(contact.second)
+        zeros = [(factor, power) for factor, power in contact.factors if not at.nonzero(factor)]
+        if None in forms or len(zeros) != 1 or zeros[0][1] % 2 or not known.vanishes(zeros[0][0]):
+            continue
+        p, q = at.gradient(f), at.gradient(zeros[0][0])
+        if all((p[i] * q[j] - p[j] * q[i]).contains(0) for i, j in ((0, 1), (1, 2), (2, 0))):
+            continue
+        first, second = (
+            form[0].sign(at) * at.sign(factor)
+            for form, factor in zip(forms, (contact.quotient, contact.multiplier), strict=True)
+            if form is not None
+        )
+        rest = contact.sign * math.prod(
+            at.sign(factor) ** power for factor, power in contact.factors if at.nonzero(factor)
+        )
+        if first * second * rest:
+            sign = rest * second if contact.first == f else -rest * first  # of g where f = 0
+            return _judged(formula, first * second, (sign,), along=True)
+    return None
+
+
 def touch_once(box: Local, at: Local, f: int, g: int) -> bool:
     """Whether two leaves, analytic on a box, that touch at a point in it, certainly do not meet elsewhere in it.
 
@@ -123,8 +153,11 @@ def _bending(local: Local, g: int, f: int, ratio: arb) -> tuple[int, ...] | None
     return inertia([[form[i, j] for j in range(2)] for i in range(2)])
 
 
-def _judged(formula: Formula, way: int, signs: tuple[int, ...]) -> Judgement:
-    """By the cells of a small sphere: two caps on either side of the tangent plane, and bands where f = 0 = g part."""
+def _judged(formula: Formula, way: int, signs: tuple[int, ...], *, along: bool = False) -> Judgement:
+    """By the cells of a small sphere: two caps on either side of the tangent plane, and bands where f = 0 = g part.
+
+    Sheets that touch `along` a curve part a band of one sign in two.
+    """
 
     def value(f: int, g: int) -> int:
         return ternary(formula, {0: f, 1: g})
@@ -132,7 +165,8 @@ def _judged(formula: Formula, way: int, signs: tuple[int, ...]) -> Judgement:
     caps = [(1, way), (-1, -way)]
     # Beside f = 0 a band has the g of the form; it is passed through from the cap that has this g too.
     bands = [(-1 if way == sign else 1, sign) for sign in dict.fromkeys(signs)]
-    if len(bands) > 1:
+    crossed = len(bands) > 1
+    if crossed or along:
         bands = [*bands, *bands]
     pieces = {side: _pieces([value(*cap) for cap in caps], [value(*band) for band in bands], side) for side in (1, -1)}
     cracked = any(_is_cracked(value, band) for band in bands)
@@ -143,7 +177,7 @@ def _judged(formula: Formula, way: int, signs: tuple[int, ...]) -> Judgement:
         return Judgement("isolated point", "broken", reason)
     if max(pieces.values()) > 1:
         return Judgement("tangency", "broken", reason)
-    if len(bands) == 1:
+    if not crossed:
         return Judgement("tangency", "analytic", reason + ": the boundary is one of the sheets")
     return Judgement("tangency", "G0", reason + "; two edges cross, the angle between the sheets is 0 there")
 

@@ -27,7 +27,7 @@ from rsym.verify.boxes.root_classes import GROWS, curvature_jump
 from rsym.verify.boxes.sheets import Sheets, sheets
 from rsym.verify.boxes.vectors import determinant, error, floats, radius_of, sign_of
 from rsym.verify.points.candidates import across
-from rsym.verify.points.contacts import Judgement, touching, without_gradient
+from rsym.verify.points.contacts import Judgement, touching, touching_along, without_gradient
 from rsym.verify.points.corners import describe, largest_angle, numbered, outward
 from rsym.verify.points.cusps import KIND as CUSP
 from rsym.verify.points.cusps import cusp
@@ -79,7 +79,7 @@ def _of_sheets(place: ZeroPlace, known: Known, found: Sheets, names: Names | Non
         f, g = found.leaves
         for k, slope in enumerate(at.gradient(f)):
             if not slope.contains(0) and known.vanishes(*across(model, f, g, k)):
-                judgement = touching(at, f, g, numbered(found))
+                judgement = touching(at, f, g, numbered(found)) or touching_along(known, at, f, g, numbered(found))
                 return None if judgement is None else _contact(place, judgement, called)
         return None
     arrangement = _arrangement(at, found)

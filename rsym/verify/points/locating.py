@@ -30,10 +30,14 @@ PINNED = 2.0**-90  # half the width of the box in which the equations must have 
 
 
 class Equations(NamedTuple):
-    """Nodes whose common zero is sought, and pairs of nodes: where the first vanishes there, the second does."""
+    """Nodes whose common zero is sought, and pairs of nodes: where the first vanishes there, the second does.
+
+    That holds if some nodes, `nonzero`, do not vanish.
+    """
 
     nodes: tuple[int, ...]
     implied: tuple[tuple[int, int], ...] = ()
+    nonzero: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,8 @@ def _pinned(model: Model, point: Point, equations: Equations) -> ZeroPlace:
         if zero is not None and zero.exists:
             point = tuple(narrowed_zero(local, equations.nodes, zero).sides)
             known = exact_at(model, point, unknown, frozenset(equations.nodes))
-            implied = (second for first, second in equations.implied if known.vanishes(first))
+            held = all(map(model.on(point).nonzero, equations.nonzero))
+            implied = (second for first, second in equations.implied if held and known.vanishes(first))
             return ZeroPlace(point, unknown, frozenset((*equations.nodes, *implied)), True)
     return ZeroPlace(point, unknown, frozenset(), False)
 

@@ -133,8 +133,8 @@ def _directed(model: Model, place: ZeroPlace) -> Joint | None:
 
 
 def _of_leaves(model: Model, locus: Locus, place: ZeroPlace) -> Joint | None:
-    """Two leaves that touch, at a rational point, or one with a root of class 1, whose curvatures differ."""
-    if not place.proved or not (place.exact or locus.kind == "leaf"):
+    """Two leaves that touch, or one with a root of class 1, whose curvatures differ."""
+    if not place.proved:
         return None
     known = exact_at(model, place.point, place.coordinates, place.zeros)
     with ctx.workprec(PRECISE):

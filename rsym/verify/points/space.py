@@ -24,7 +24,7 @@ from rsym.verify.boxes.generators import generators
 from rsym.verify.boxes.local import PRECISE, PRECISION, Box, Local, Model, side
 from rsym.verify.boxes.sheets import Sheets, sheets
 from rsym.verify.boxes.vectors import floats
-from rsym.verify.points.candidates import cuts_of_powers, systems_in_space
+from rsym.verify.points.candidates import cuts_of_curves, systems_in_space
 from rsym.verify.points.clusters import Cluster, clusters
 from rsym.verify.points.contacts import touch_once
 from rsym.verify.points.corners import Corner, corner, doubted
@@ -189,15 +189,15 @@ class _Classifier:
             self._points.append(found.point)
 
     def add_point_of(self, curve: Cluster) -> None:
-        """Note one point of an undecided curve, if powers in a leaf are proved to be steep there."""
+        """Note one point of an undecided curve, if powers in a leaf are steep or two leaves touch there, proved."""
         box, model = curve.boxes[len(curve.boxes) // 2], self.model
         with ctx.workprec(PRECISION):
             local = model.over(box)
             found = sheets(local, model.root)
-        if found is None or len(found.leaves) != 1 or len(model.axes) > 3:
+        if found is None or not 1 <= len(found.leaves) <= 2 or len(model.axes) > 3:
             return
         middle = tuple((low + high) / 2 for low, high in box)
-        for place in located(model, cuts_of_powers(local, found.leaves[0], middle), middle, 4 * curve.width, LEAST):
+        for place in located(model, cuts_of_curves(local, found.leaves, middle), middle, 4 * curve.width, LEAST):
             point = classify_place(model, place, self.names) if place.proved and _is_within(model, place) else None
             if point is not None:
                 self._points.append(point)
