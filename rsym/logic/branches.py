@@ -20,8 +20,8 @@ from rsym.logic.domains import replaced
 from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
 from rsym.logic.radicals import Parted, odd_powers, root_parted
 from rsym.logic.sign_form import gate_of, stripped
-from rsym.logic.steps import chosen_gate, sign_gate
-from rsym.logic.stripping import constant_sign, even_root, unscaled
+from rsym.logic.steps import chosen_gate
+from rsym.logic.stripping import constant_sign, even_root, sign_gate, unscaled
 from rsym.program.builder import Builder
 from rsym.program.program import live
 

@@ -17,7 +17,7 @@ from functools import partial, reduce
 
 import sympy as sp
 
-from rsym.logic.stripping import scaled, unscaled
+from rsym.logic.stripping import formal_sign, scaled, sign_gate, unscaled
 from rsym.program.builder import Builder
 from rsym.program.program import live
 from rsym.program.raising import raised
@@ -61,10 +61,12 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
     known = {unscaled(builder, guard) for guard in guards}
 
     def walled(domain: int, made: int, total: int, limit: int | None, free: int | None = None) -> int:
+        if (value := builder.value(made)) is not None and value <= 0:
+            return builder.const(-1)
         if unscaled(builder, domain) in known:
             return made
         builder.walls.setdefault(domain, {})[total] = limit
-        return builder.make("min", domain if free is None else builder.make("max", domain, free), made)
+        return sign_gate(builder, "min", domain if free is None else builder.make("max", domain, free), made)
 
     if (solved := _solved(builder, leaf, ends, walled)) is not None:
         return solved
@@ -115,8 +117,9 @@ def _solved(
         return walled(u, found, found, over)
     if above:
         below = b.neg(over)
-        return b.make("max", walled(u, below, found, over), found)
-    return walled(u, b.make("min", over, found), found, over)
+        walls = walled(u, below, found, over)
+        return walls if formal_sign(b, below) > 0 else sign_gate(b, "max", walls, found)
+    return walled(u, sign_gate(b, "min", over, found), found, over)
 
 
 def terms_of(builder: Builder, number: int) -> list[tuple[int, Fraction]]:

@@ -18,8 +18,8 @@ from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
 from rsym.errors import RsymError
-from rsym.logic.steps import has_steps, is_between, parted, sign_gate
-from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size, unscaled
+from rsym.logic.steps import has_steps, is_between, parted
+from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size, sign_gate, unscaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.shape import Shape
 from rsym.model.symbols import with_operands

@@ -17,7 +17,7 @@ import sympy as sp
 from rsym.backends.interpreter import interpret
 from rsym.logic.domains import MOST_PARTS, ROOTS, bounded, lowest, replaced
 from rsym.logic.poles import without_pole
-from rsym.logic.stripping import bare, factor, formal_sign
+from rsym.logic.stripping import formal_sign, sign_gate
 from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import live
@@ -28,6 +28,8 @@ POINTS, HALVINGS = 256, 60
 BESIDE = 1e-13  # of a segment, how far beyond a zero its other side is: on the zero others may be zero too
 CONTINUOUS = 1e-9  # of its size, a step that rounding may make
 SIZES = (1.0, 10.0, 0.1, 100.0)
+DIGITS, EXACT, FINE = 60, 1e-40, 10**6  # of numbers, what is nothing beside terms that cancel, places in a unit
+KINKS = (sp.Abs, sp.Min, sp.Max, sp.Piecewise, sp.sign, sp.floor, sp.ceiling, sp.Float)
 
 
 def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable[[int, Collection[int]], int]) -> int:
@@ -94,26 +96,6 @@ def is_between(builder: Builder, leaf: int) -> bool:
                 return False
             stepped.add(part)
     return not stepped or builder.steps.isdisjoint(parts)
-
-
-def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
-    """The minimum or maximum for the sign alone: constants drop, of which one that is not positive is outside.
-
-    Examples
-    --------
-    >>> b = Builder(("x",), ())
-    >>> sign_gate(b, "min", b.input("x"), b.const(1)) == sign_gate(b, "max", b.const(0), b.input("x")) == b.input("x")
-    True
-    """
-    idle = 1 if operation == "min" else -1
-    for one, other in ((first, second), (second, first)):
-        value = builder.value(one)
-        if value is not None:
-            return other if (value > 0) == (idle > 0) else one
-    if bare(builder, first) == bare(builder, second):
-        same = factor(builder, first) == factor(builder, second)
-        return first if same else builder.const(-idle)  # of a condition and its opposite one holds but on a line
-    return builder.make(operation, first, second)
 
 
 def _steps(builder: Builder, leaf: int, *, across: bool = False) -> Any:
@@ -220,7 +202,7 @@ def _divides(builder: Builder, condition: int, difference: int) -> bool | None:
     >>> b = Builder(("x", "y"), ())
     >>> x, y = b.input("x"), b.input("y")
     >>> _divides(b, x, b.mul(x, b.abs(y))), _divides(b, x, b.make("max", x, b.input("y"))), _divides(b, x, b.sqrt(y))
-    (True, False, None)
+    (True, False, False)
     """
     if len(live(builder.nodes, [condition, difference])) > MOST_PARTS:
         return None
@@ -235,11 +217,49 @@ def _divides(builder: Builder, condition: int, difference: int) -> bool | None:
         try:
             (_, rest), whole = sp.reduced(dividend, [divisor]), sp.Poly(dividend)
             sizes = [abs(number) for number in sp.Poly(rest, *{*whole.gens, *sp.Poly(divisor).gens}).coeffs()]
-        except (sp.PolynomialError, sp.polys.polyerrors.BasePolynomialError):
-            return None
-        if max(sizes) > CONTINUOUS * max(abs(number) for number in whole.coeffs()):
-            return False if alone and dividend.is_polynomial() else None
+            divides = bool(max(sizes) <= CONTINUOUS * max(abs(number) for number in whole.coeffs()))
+        except (sp.PolynomialError, sp.polys.polyerrors.BasePolynomialError, TypeError):
+            divides = False
+        if divides:
+            continue
+        if alone and dividend.is_polynomial():
+            return False
+        vanishes = _vanishes(dividend, divisor, [sp.Symbol(name, real=True) for name in builder.coordinates])
+        if not vanishes:
+            return vanishes
     return True
+
+
+def _vanishes(function: sp.Expr, condition: sp.Expr, coordinates: Sequence[sp.Symbol]) -> bool | None:
+    """Whether an analytic function is zero where a condition that is linear in a coordinate is; None of others.
+
+    It is not, if that shows at one point, as small as it may be there.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y", real=True)
+    >>> [_vanishes(f, x, (x, y)) for f in (sp.exp(x) - 1, x + sp.exp(-(10**9) * y**2), sp.Abs(y))]
+    [True, False, None]
+    """
+    if function.has(*KINKS):
+        return None
+    for across in coordinates:
+        if not condition.is_polynomial(across) or sp.degree(condition, across) != 1:
+            continue
+        slope, rest = sp.Poly(condition, across).all_coeffs()
+        inputs = sorted(function.free_symbols | condition.free_symbols - {across}, key=str)
+        terms = sp.Add.make_args(function.subs(across, -rest / slope))
+        chance, seen = random.Random(20130605), 0
+        for size in SIZES * 3:
+            place = {symbol: sp.Rational(chance.randint(-FINE, FINE), FINE) * sp.Rational(size) for symbol in inputs}
+            values = [sp.N(term.subs(place), DIGITS) for term in terms]
+            if not all(value.is_Float or value.is_Integer for value in values):
+                continue
+            seen += 1
+            if abs(sum(values)) > EXACT * sum(map(abs, values)):
+                return False
+        return True if seen else None
+    return None
 
 
 def _branches(builder: Builder, number: int) -> list[int]:

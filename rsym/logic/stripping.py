@@ -285,3 +285,23 @@ def even_root(builder: Builder, number: int) -> int | None:
 def is_even(builder: Builder, number: int) -> bool:
     """Whether a node shows by its form that it is zero without a change of sign, if at all."""
     return even_root(builder, scaled(builder, number)[0]) is not None
+
+
+def sign_gate(builder: Builder, operation: str, first: int, second: int) -> int:
+    """The minimum or maximum for the sign alone: constants drop, of which one that is not positive is outside.
+
+    Examples
+    --------
+    >>> b = Builder(("x",), ())
+    >>> sign_gate(b, "min", b.input("x"), b.const(1)) == sign_gate(b, "max", b.const(0), b.input("x")) == b.input("x")
+    True
+    """
+    idle = 1 if operation == "min" else -1
+    for one, other in ((first, second), (second, first)):
+        value = builder.value(one)
+        if value is not None:
+            return other if (value > 0) == (idle > 0) else one
+    if bare(builder, first) == bare(builder, second):
+        same = factor(builder, first) == factor(builder, second)
+        return first if same else builder.const(-idle)  # of a condition and its opposite one holds but on a line
+    return builder.make(operation, first, second)

@@ -125,6 +125,8 @@ def product(first: Shape, second: Any, *, system: RSystem = R0, letters: LetterM
             code="coordinates",
             remedy=f"write it in {third.name} and letters",
         )
+    if not system.keeps_sets:
+        expression = lengths(expression, (third,), first.letters.merge(letters))
     return _joined(first, expression, (third,), system, letters, None)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from numbers import Number
 from typing import Any, NoReturn
 
 from rsym.errors import RsymError
@@ -18,6 +19,17 @@ def _refused(sign: str, remedy: str) -> Callable[[Any, Any], NoReturn]:
         raise RsymError(f"shapes have no operator {sign}", code="operator", remedy=remedy)
 
     return operator
+
+
+def no_number(other: Any) -> Any:
+    """What a shape is combined with, if it is no number: one would be all of the plane or nothing of it."""
+    if isinstance(other, Number) or getattr(other, "is_number", False):
+        raise RsymError(
+            f"{other} is no shape: a shape and a number are not combined",
+            code="operator",
+            remedy="rsym.offset(shape, distance) grows or shrinks it; shape.expression - 1 is another omega",
+        )
+    return other
 
 
 class NoNumber:

@@ -10,7 +10,7 @@ from rsym.errors import RsymError
 from rsym.model import named_parts, showing
 from rsym.model.bounding import Bounds as Bounds
 from rsym.model.letters import Letter
-from rsym.model.logical import NoNumber
+from rsym.model.logical import NoNumber, no_number
 from rsym.model.motions import Movable
 from rsym.model.operations import conjunction, difference, disjunction, exclusive_or, negation
 from rsym.model.systems import RSystem, in_system
@@ -221,19 +221,19 @@ class Shape(NoNumber, Movable):
         return contract(self)
 
     def __and__(self, other: Shape) -> Shape:
-        return conjunction(self, other)  # type: ignore[no-any-return]
+        return conjunction(self, no_number(other))  # type: ignore[no-any-return]
 
     def __or__(self, other: Shape) -> Shape:
-        return disjunction(self, other)  # type: ignore[no-any-return]
+        return disjunction(self, no_number(other))  # type: ignore[no-any-return]
 
     def __sub__(self, other: Shape) -> Shape:
-        return difference(self, other)  # type: ignore[no-any-return]
+        return difference(self, no_number(other))  # type: ignore[no-any-return]
 
     def __invert__(self) -> Shape:
         return negation(self)  # type: ignore[no-any-return]
 
     def __xor__(self, other: Shape) -> Shape:
-        return exclusive_or(self, other)  # type: ignore[no-any-return]
+        return exclusive_or(self, no_number(other))  # type: ignore[no-any-return]
 
     def __repr__(self) -> str:
         return showing.text(self)

@@ -135,6 +135,7 @@ def _from_round_box(points, halves, radius):
 ROUND = {
     "rectangle": (lambda: rsym.rectangle(6, 4, system=rsym.Rho(0.5)), (3, 2), 0.5),
     "box": (lambda: rsym.box(60, 40, 25, system=rsym.Rho(4)), (30, 20, 12.5), 4),
+    "product": (lambda: rsym.product(rsym.strip(-3, 3), (4 - z**2) / 4, system=rsym.Rho(1)), (3, 9e9, 2), 1),
     "prism": (
         lambda: rsym.extrude(rsym.strip(-3, 3), -1, 2, system=rsym.Rho(1)).translate(0, 0, -0.5),
         (3, 9e9, 1.5),

@@ -21,6 +21,7 @@ REFUSED = {
     "twice": (lambda: 2 * DISC, "shape.scale(2)"),
     "over": (lambda: DISC / 2, "shape.scale(1/2)"),
     "minus": (lambda: -DISC, "~a is the complement"),
+    "less a number": (lambda: DISC - 1, "rsym.offset(shape, distance)"),
     "less": (lambda: DISC < 1, "shape.contains(x, y)"),
     "max": (lambda: max(DISC, OTHER), "shape.contains(x, y)"),
     "in": (lambda: (0, 0) in DISC, "shape.contains(x, y)"),

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import urllib.request
+from types import SimpleNamespace
 from urllib.parse import unquote
 
 import pytest
@@ -16,7 +17,9 @@ from oracles.served import served as serving
 import rsym
 from rsym import RsymError, x, y, z
 from rsym.cli import main
+from rsym.logic.sign_form import surface_form
 from rsym.output.design.pages import page_of
+from rsym.output.design.plane import plane_texts
 from rsym.output.design.serving import LONGEST
 
 r = sp.Symbol("r", real=True)
@@ -176,3 +179,15 @@ def test_meshes_and_answers_go_out():
         assert (status, data[:4]) == (200, b"glTF")
         status, data = asked(server, "POST", f"{home}lint", '{"r": 2}')
         assert (status, data.decode()) == (200, str(rsym.lint(BALL.with_letters({"r": 2}))))
+
+
+def test_the_line_of_a_page_is_there_where_a_part_has_no_value():
+    """The text of GLSL, read as Python: the sign is that of a disc, or of what is to the right of 2."""
+    shape = rsym.disc(1) | rsym.Shape(sp.sqrt(x - 2) - y, (x, y))
+    (shader, *_) = plane_texts(shape, surface_form(shape)).shaders
+    lines = re.search(r"float value\(vec2 p\) \{\nfloat (.*);\nreturn (\w+);", shader)
+    for place, inside in (((0, 0), True), ((-2, 0), False), ((3, 0.5), True), ((3, 1.5), False), ((0, -3), False)):
+        known = {"p": SimpleNamespace(x=place[0], y=place[1]), "min": min, "max": max}
+        for name, text in (part.split("=") for part in re.split(r",(?=v\d+=)", lines[1])):
+            known[name] = eval(text, known)
+        assert (known[lines[2]] > 0) == inside

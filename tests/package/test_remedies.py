@@ -77,6 +77,7 @@ CALLS = {
     "rsym.torsion(shape)": FIELD,
     "rsym.elasticity(shape, conditions, young=1, poisson=0.3)": {"shape": DISC, "conditions": {"rim": rsym.fixed()}},
     "rsym.load(name)": {"name": "car"},
+    "rsym.offset(shape, distance)": {"shape": DISC, "distance": 0.25},
     "rsym.disc()": {},
     "rsym.smoothness_atlas(shape, letter_a, letter_b)": MADE,
     "rsym.compare_designs(shape, designs)": MADE,

@@ -10,6 +10,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import Shape, x, y, z
+from rsym.logic.sign_form import shape_form
 
 pytestmark = pytest.mark.filterwarnings("ignore:omega has no value:rsym.RsymWarning")
 PARTIAL = {"sqrt": sp.sqrt(x - 2), "log": sp.log(x - 2), "asin": sp.asin(x - 4), "root": (x - 2) ** sp.Rational(1, 3)}
@@ -228,3 +229,24 @@ def test_no_points_are_drawn_where_a_body_ends_with_its_domain():
     shape = Shape(rsym.conjunction(sp.sqrt(x) - z, 4 - x**2 - y**2 - z**2), (x, y, z))
     drawn = rsym.sample(shape, 300, over="boundary", rng=1, resolution=16, bounds=((-2.1, 2.1),) * 3)
     assert (drawn.points[:, 0] > 1e-9).all()
+
+
+def test_a_jump_that_shows_on_a_hundredth_of_its_condition_is_one():
+    """No segment meets it: the difference of the sides is 0 but where sin(y) is nearly 1."""
+    bump = sp.Max(0, sp.sin(y) - sp.Rational(99999, 100000))
+    disc = 1 - x**2 - y**2
+    assert len(shape_form(Shape(sp.Piecewise((disc, x > 0), (disc + bump, True)), (x, y))).leaves) == 4
+    smooth = sp.Piecewise((sp.exp(x) - y, x < 0), (1 + x - y, True))
+    assert len(shape_form(Shape(smooth, (x, y))).leaves) == 1
+
+
+@pytest.mark.parametrize(
+    ("expression", "leaves"),
+    [(sp.sqrt(x) - 2, 1), (2 - sp.sqrt(x), 2), (sp.sqrt(x) + 2, 1), (-sp.sqrt(x), 1), (sp.sqrt(x), 1)],
+)
+def test_roots_beside_numbers_leave_no_constant_leaf(expression, leaves):
+    shape = Shape(expression, (x, y))
+    assert len(shape_form(shape).leaves) == leaves
+    places = np.array([-3, -0.5, 0.25, 3.5, 4.5, 9])
+    truth = [bool((value := expression.subs({x: place, y: 0})).is_real and value > 0) for place in places]
+    assert shape.contains(places, 0.0).tolist() == truth

@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 
 from rsym.backends.languages import statements
-from rsym.logic.sign_form import SignForm
+from rsym.logic.sign_form import SignForm, through
 from rsym.model.shape import Shape
 from rsym.output.design.forms import Uniforms, dense, outputs_alone
 from rsym.output.looks import PLAIN
@@ -50,8 +50,11 @@ def plane_texts(shape: Shape, form: SignForm) -> PlaneTexts:
     for field in FIELDS:
         uniforms = Uniforms(builder.letters)
         program = expand(fields_program(calculus, tuple(dict.fromkeys((field, "value")))))
-        text = _field(program, uniforms, dict(zip(builder.coordinates, ("p.x", "p.y"), strict=True)))
-        shaders.append(uniforms.declaration + text)
+        text = [_function("field", program, program.outputs[0][1], uniforms)]
+        # Where a part of omega has no value the form has that of the others, and ends where these leave it open.
+        program = _form_program(form) if form.walls else program
+        text.append(_function("value", program, program.outputs[-1][1], uniforms))
+        shaders.append(uniforms.declaration + "\n".join(text))
         uploads.append(uniforms.script)
     curve = expand(fields_program(calculus, ("value", "gradient", "curvature")))
     leaves = expand(form.builder.program({str(k): leaf for k, leaf in enumerate(form.leaves)}))
@@ -65,19 +68,24 @@ def plane_texts(shape: Shape, form: SignForm) -> PlaneTexts:
     return PlaneTexts(tuple(shaders), f"{{{script}}}")
 
 
-def _field(program: Program, uniforms: Uniforms, inputs: dict[str, str]) -> str:
-    known = uniforms.places(program)
-    texts = []
-    for name, (_, number) in zip(("field", "value"), (program.outputs[0], program.outputs[-1]), strict=True):
-        part = statements(outputs_alone(program, [number]), "glsl", inputs=inputs, known=known)
-        lines = [
+def _form_program(form: SignForm) -> Program:
+    """The value of a form, of the leaves that its gates choose."""
+    builder = form.builder
+    made = through(form.gates, list(form.leaves), lambda gate, f, g: builder.make(gate.operation, f, g))
+    return expand(builder.program({"value": made[-1]}))
+
+
+def _function(name: str, program: Program, number: int, uniforms: Uniforms) -> str:
+    inputs = dict(zip(program.coordinates, ("p.x", "p.y"), strict=True))
+    part = statements(outputs_alone(program, [number]), "glsl", inputs=inputs, known=uniforms.places(program))
+    return "\n".join(
+        [
             f"float {name}(vec2 p) {{",
             dense([*part.uniform, *part.varying]),
             f"return {part.names[number]};",
             "}",
         ]
-        texts.append("\n".join(lines))
-    return "\n".join(texts)
+    )
 
 
 def _closure(program: Program, stores: list[str], *more: str) -> str:
