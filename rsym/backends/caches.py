@@ -86,11 +86,12 @@ def digest_of_rooms(*rooms: str) -> str:
 
 def _forget(folder: Path) -> None:
     """Delete the entries that were not used for the longest time, where there are too many."""
-    entries = [entry for entry in folder.iterdir() if entry.is_file()]
+    with os.scandir(folder) as listed:  # asks no entry for its state: some hundred are kept for one model
+        entries = [entry for entry in listed if entry.is_file()]
     if len(entries) > MOST_ENTRIES:
         entries.sort(key=lambda entry: entry.stat().st_mtime)
         for entry in entries[: len(entries) - MOST_ENTRIES * 3 // 4]:
-            entry.unlink(missing_ok=True)
+            Path(entry).unlink(missing_ok=True)
 
 
 def _is_ours(path: Path) -> bool:

@@ -96,7 +96,8 @@ def _off(box: BoxImages, pole: Sequence[int], image: Interval) -> Interval:
     """The image where one of the two operands of an atan2, the first not negative, is 0 nowhere; else NaN."""
     b, (u, v) = box.target, (box[operand] for operand in pole)
     far = greatest(b, u.lower, sizes(b, v).lower)
-    return Interval(*(b.select(far, b.const(0), end, b.undefined()) for end in (image.lower, image.upper)))
+    lower, upper = (b.select(far, b.const(0), end, b.undefined()) for end in (image.lower, image.upper))
+    return Interval(lower, upper)
 
 
 def _mean_value(box: BoxImages, number: int, names: Sequence[str]) -> Interval:

@@ -16,7 +16,7 @@ from rsym.model.shape import Shape
 from rsym.paper.drawing import mesh_quietly
 from rsym.paper.models import car, skeleton_body
 from rsym.sampling.distances import distance_to_lines, distance_to_mesh
-from rsym.sampling.level_lines import level_lines
+from rsym.sampling.level_lines import dense_outline
 
 FIELDS = ("value", "gradient_squared", "normalised", "normalised_gradient_squared")
 NAMES = (("ω", "value"), ("ωₙ", "normalised"))
@@ -60,7 +60,7 @@ class Band:
 def measure() -> tuple[tuple[Quartiles, ...], tuple[Band, ...]]:
     """Both bodies: the body of Fig. 11 in the plane and the whole car in space."""
     body, whole = skeleton_body(), car()
-    lines = level_lines(body, resolution=800)
+    lines = dense_outline(body, 800)
     # Its vertices avoid edges, where omega has no gradient; those of a sharp mesh lie on them.
     triangles = mesh_quietly(whole, 200, method="smooth")
     used = triangles.vertices[np.unique(triangles.faces)]

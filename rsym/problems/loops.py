@@ -12,7 +12,7 @@ from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.recent import placed, recently
 from rsym.model.shape import Shape
-from rsym.sampling.level_lines import level_lines
+from rsym.sampling.level_lines import dense_outline
 from rsym.sampling.plane_leaves import PlaneLeaves, leaves_of
 from rsym.sampling.windows import bounds_or_extent
 
@@ -43,7 +43,7 @@ def loops_of(shape: Shape, axis: Collection[int] = ()) -> tuple[BoundaryLoop, ..
     >>> [(loop.leaves, loop.hole) for loop in loops_of(rsym.disc(1) - rsym.disc(0.5))]
     [((0,), False), ((1,), True)]
     """
-    lines = level_lines(shape, resolution=RESOLUTION)
+    lines = dense_outline(shape, RESOLUTION)
     leaves = leaves_of(shape, (0, 1), {})
     cell = max(high - low for low, high in bounds_or_extent(shape, None)) / RESOLUTION
     found = []

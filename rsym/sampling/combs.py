@@ -24,6 +24,7 @@ UNEXPLAINED_TURN = 0.05
 # the line is nearly straight, of the curvature of a circle as long as the line. An envelope looks smooth then.
 LARGEST_TURN = 0.1
 LARGEST_CHANGE = 0.1
+WITHIN = 0.381966  # of its longest chord a closed line begins here
 HALVINGS = 10
 # Farther from the level, in cells, the curvature would be that of another line.
 ON_LEVEL = 1e-6
@@ -120,6 +121,10 @@ class _Bearings:
 
 def _comb(line: Floats, spacing: float, bearings: _Bearings) -> Comb:
     """One line: evenly spaced points, and halves of the steps that need them."""
+    if (line[0] == line[-1]).all():  # a corner is no place for a tooth, nor what halves lead to from a middle
+        longest = int(_lengths(line).argmax())
+        start = line[longest : longest + 1] + WITHIN * np.diff(line[longest : longest + 2], axis=0)
+        line = np.concatenate([start, line[longest + 1 : -1], line[: longest + 1], start])
     lengths = np.append(0.0, np.cumsum(_lengths(line)))
     count = max(round(lengths[-1] / spacing), FEWEST_TEETH)
     places = np.linspace(0.0, lengths[-1], count + 1)

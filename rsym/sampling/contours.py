@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from html import escape
 from typing import Any, TypeAlias, overload
 
@@ -16,13 +16,14 @@ from rsym.model.requirements import optional_package
 from rsym.model.shape import Bounds
 from rsym.reports.document import Document, Sentence, numerical
 from rsym.reports.render import Report
-from rsym.reports.words import plural
+from rsym.reports.words import first_of, plural
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.stills import line_picture
 
 NEWTON_STEPS = 12
 # A vertex is on the level when one more Newton step would move it by less than this share of a cell.
 ON_LEVEL = 1e-9
+TOLD = 5  # places, in a warning
 
 _Moved: TypeAlias = tuple[Floats, Flags]  # vertices (n, 2), and which of them arrived
 
@@ -33,8 +34,8 @@ class LevelLinesStatus(Report):
 
     `unresolved_corners` counts neighbours on different leaves without a corner between them: the
     lattice is too coarse there, and a line may jump over a gap thinner than a cell. `unseen` counts cells, of the size
-    `finer`, where something may be thinner than they are, near `place` first; what a lattice does not show is drawn on
-    finer ones before. Only if `examined`: a field that is not the value of a shape is not.
+    `finer`, where something may be thinner than they are, near each of `places`; what a lattice does not show is drawn
+    on finer ones before. Only if `examined`: a field that is not the value of a shape is not.
     """
 
     vertices: int
@@ -44,19 +45,18 @@ class LevelLinesStatus(Report):
     open: int
     unresolved_corners: int = 0
     unseen: int = 0
-    place: tuple[float, float] | None = None
+    places: tuple[tuple[float, float], ...] = ()
     finer: float = 0.0
     examined: bool = True
 
     @property
     def remark(self) -> str:
         """Where something is thinner than the finest cells that were looked at."""
-        if self.place is None:
+        if not self.places:
             return ""
-        near = f"near ({self.place[0]:.4g}, {self.place[1]:.4g})"
-        return (
-            f"Unresolved in {plural(self.unseen, 'cell')} of {self.finer:.2g}: lines may be missing or joined {near}."
-        )
+        where = first_of([f"({across:.4g}, {up:.4g})" for across, up in self.places], TOLD)
+        cells = f"{plural(self.unseen, 'cell')} of {self.finer:.2g}"
+        return f"Unresolved in {cells}: lines may be missing or joined near {where}."
 
     def document(self) -> Document:
         """All that the status says; nothing of it is proved."""
@@ -245,6 +245,71 @@ def move_onto_level(
                 break
         good = arrived & (np.hypot(*(points - line).T) <= 1.5 * cell)
     return np.where(good[:, None], points, line), good
+
+
+# A vertex this near to the chord between others, as a share of the size of all lines, is on it: rounding.
+ON_CHORD = 1e-13
+
+
+def sparse(lines: LevelLines) -> LevelLines:
+    """The same lines without vertices on straight parts; a closed one begins at a vertex that stays.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> square = np.array([[0.5, 0], [1, 0], [1, 0.7], [1, 1], [0, 1], [0, 0], [0.5, 0]])
+    >>> status = LevelLinesStatus(7, 0, 0, 1, 0)
+    >>> sparse(LevelLines((square,), 0.0, "value", status)).lines[0].tolist()
+    [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [1.0, 0.0]]
+    """
+    slack = ON_CHORD * max((float(np.abs(line).max()) for line in lines if len(line)), default=0.0)
+    kept = tuple(_without_straight(line, slack) for line in lines)
+    return replace(lines, lines=kept, status=replace(lines.status, vertices=sum(map(len, kept))))
+
+
+def _without_straight(line: Floats, slack: float) -> Floats:
+    closed = len(line) > 3 and bool((line[0] == line[-1]).all())
+    corners = ~_straight(line, slack)
+    if closed:
+        corners[0] = not _straight(np.concatenate([line[-2:-1], line[:2]]), slack)[1]
+        first = int(np.argmax(corners))
+        line, corners = (np.concatenate([rows[first:-1], rows[: first + 1]]) for rows in (line, corners))
+    corners[[0, -1]] = True
+    # A slow bend has no corner either: all of a part must lie on its chord.
+    ends = np.flatnonzero(corners)
+    part = np.repeat(np.arange(len(ends) - 1), np.diff(ends))
+    start, along = line[ends[part]], np.diff(line[ends], axis=0)[part]
+    away = line[:-1] - start
+    with np.errstate(all="ignore"):
+        off = np.abs(along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0]) / np.hypot(*along.T)
+    bent = np.zeros(len(ends), np.bool_)
+    np.logical_or.at(bent, part, ~(off <= slack))
+    return np.asarray(line[corners | np.append(bent[part], False)])
+
+
+def _straight(line: Floats, slack: float) -> Flags:
+    """Which vertices lie on the chord between their neighbours."""
+    straight = np.zeros(len(line), np.bool_)
+    if len(line) > 2:
+        (a, b), (c, d) = (line[1:-1] - line[:-2]).T, (line[2:] - line[1:-1]).T
+        with np.errstate(all="ignore"):
+            off = np.abs(a * d - b * c) / np.hypot(a + c, b + d)
+        straight[1:-1] = (off <= slack) & (a * c + b * d > 0)
+    return straight
+
+
+# Two neighbours whose normals differ by more, in radians, have a corner between them, or a bend of two cells.
+TURN = 0.5
+
+
+def turns(sampler: PlaneSampler, lines: Sequence[Floats]) -> int:
+    """How many neighbours along lines have a corner of the field between them, which the chord cuts off."""
+    every = np.concatenate([*lines, np.empty((0, 2))])
+    (u, v) = sampler.value_and_gradient(every)[1].T
+    with np.errstate(invalid="ignore"):
+        angle = np.abs(np.arctan2(u[:-1] * v[1:] - v[:-1] * u[1:], u[:-1] * u[1:] + v[:-1] * v[1:]))
+    line = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+    return int(np.count_nonzero((angle > TURN) & (line[:-1] == line[1:])))
 
 
 # What is beyond the bounds by no more than this share of their size touches them.

@@ -87,6 +87,48 @@ def lines_through(middles: Ints, high: Flags) -> list[Ints]:
     return [np.concatenate([comes[line], goes[line[-1:]]]) for line in _followed(after)]
 
 
+def pieces(inside: Flags) -> Ints:
+    """The pieces less the holes of sets of points (k, m, m): vertices less edges and squares."""
+    across, along = inside[:, 1:] & inside[:, :-1], inside[:, :, 1:] & inside[:, :, :-1]
+    squares = across[:, :, 1:] & across[:, :, :-1]
+    counts = [np.count_nonzero(one, axis=(1, 2)) for one in (inside, across, along, squares)]
+    return np.asarray(counts[0] - counts[1] - counts[2] + counts[3])
+
+
+def beyond_chords(high: Flags, most: float) -> Flags:
+    """In which cells (k, m, m) of samples one lies by more than `most` of their steps on the wrong side of the chord.
+
+    That is between the sides that a line crosses, if there are two.
+
+    Examples
+    --------
+    >>> corner, finger = np.eye(9, dtype=bool), np.eye(9, dtype=bool)
+    >>> corner[1:], finger[7:] = False, False
+    >>> beyond_chords(np.array([corner, finger]), 2.5).tolist()
+    [False, True]
+    """
+    at = np.indices(high.shape[1:])
+    crossed = np.zeros((*high.shape[:1], 4), np.bool_)
+    places = np.zeros((*crossed.shape, 2))
+    for side, (axis, end) in enumerate(((0, 0), (0, high.shape[1] - 1), (1, 0), (1, high.shape[1] - 1))):
+        samples = high.take(end, 1 + axis)
+        crossed[:, side] = samples[:, 0] != samples[:, -1]
+        places[:, side, axis] = end
+        places[:, side, 1 - axis] = np.argmax(samples != samples[:, :1], axis=1) - 0.5
+    two = np.flatnonzero(np.count_nonzero(crossed, axis=1) == 2)
+    start, end = places[two][crossed[two]].reshape(-1, 2, 2).transpose(1, 0, 2)
+    (p, q), length = (end - start).T, np.linalg.norm(end - start, axis=1)
+    away = p[:, None, None] * (at[1] - start[:, 1, None, None]) - q[:, None, None] * (at[0] - start[:, 0, None, None])
+    away /= length[:, None, None]
+    corners = away[:, [0, 0, -1, -1], [0, -1, 0, -1]]
+    largest, own = np.argmax(np.abs(corners), axis=1), np.arange(len(two))
+    above = high[two][:, [0, 0, -1, -1], [0, -1, 0, -1]][own, largest]
+    away *= np.where((corners[own, largest] > 0) == above, 1, -1)[:, None, None]
+    far = np.zeros(len(high), np.bool_)
+    far[two] = ((np.abs(away) > most) & ((away > 0) != high[two])).any(axis=(1, 2))
+    return far
+
+
 def _segments(values: Floats, level: float) -> tuple[Floats, Floats]:
     """Where the lines come into the squares, by rows, and where they leave them, in indices (n, 2)."""
     high = values > level

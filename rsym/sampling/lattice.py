@@ -15,8 +15,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 
@@ -24,6 +26,7 @@ from rsym.model.shape import Bounds, Shape
 SHIFTS = (0.381966, 0.414214, 0.442777)
 # Meshing holds 13 bytes a sample (float64, float32 and a sign): this many fill 8 GB.
 MOST_POINTS = 600_000_000
+AROUND = np.indices((3, 3)).reshape(2, -1).T - 1  # a cell of a plane and its neighbours
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,40 @@ def checked_cells(cells: Any) -> int:
     if isinstance(cells, bool) or not isinstance(cells, int | np.integer) or cells < 2:
         raise RsymError(f"resolution must be an integer of at least 2, got {cells!r}", code="resolution")
     return int(cells)
+
+
+def numbers_of(cells: Ints, wanted: Ints) -> Ints:
+    """Which of the cells (n, 2) those that are wanted are; -1 for others.
+
+    Examples
+    --------
+    >>> numbers_of(np.array([(0, 1), (5, 5)]), np.array([(5, 5), (0, 0)])).tolist()
+    [1, -1]
+    """
+    if not len(cells):
+        return np.full(len(wanted), -1)
+    low, width = cells.min(axis=0) - 1, int(np.ptp(cells[:, 1])) + 3
+    wanted = np.clip(wanted, low, cells.max(axis=0) + 1)
+    key, asked = ((some - low) @ np.array([width, 1]) for some in (cells, wanted))
+    order = np.argsort(key)
+    place = np.minimum(np.searchsorted(key[order], asked), len(key) - 1)
+    return np.asarray(np.where(key[order[place]] == asked, order[place], -1))
+
+
+def heaps(index: Floats) -> Floats:
+    """Of places (n, 2) in indices the first of each heap of cells that lie side by side.
+
+    Examples
+    --------
+    >>> heaps(np.array([(0.5, 0.5), (7.5, 3.5), (1.5, 1.5)])).tolist()
+    [[0.5, 0.5], [7.5, 3.5]]
+    """
+    cells, own = np.unique(np.floor(index).astype(np.int64), axis=0, return_inverse=True)
+    near = numbers_of(cells, (cells[:, None] + AROUND).reshape(-1, 2))
+    pairs = np.stack([np.repeat(np.arange(len(cells)), len(AROUND)), near])[:, near >= 0]
+    links = coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(len(cells), len(cells)))
+    heap = connected_components(links, directed=False)[1][own.ravel()]
+    return index[np.sort(np.unique(heap, return_index=True)[1])]
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,18 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
-from rsym.sampling.contours import LevelLines, LevelLinesStatus, move_onto_level, told, turned_like, within
+from rsym.sampling.contours import (
+    LevelLines,
+    LevelLinesStatus,
+    move_onto_level,
+    sparse,
+    told,
+    turned_like,
+    turns,
+    within,
+)
 from rsym.sampling.isolines import index_lines
-from rsym.sampling.outlines import known_outline
+from rsym.sampling.outlines import known_outline, level_outline
 from rsym.sampling.plane import GivenField, PlaneSampler, plane_sampler, plane_section
 from rsym.sampling.undefined import warn_undefined
 
@@ -76,8 +85,9 @@ def level_lines(
     -------
     LevelLines, or a tuple of them
         For each level, in the order given, a sequence of (n, 2) arrays with the region where the field exceeds the
-        level to their left; ``.length``, ``.area`` and ``.to_shapely()`` measure it, ``.status`` counts the vertices
-        that could not be moved.
+        level to their left; ``.length``, ``.area`` and ``.to_shapely()`` measure it. At level 0, and at others of a
+        value that is a min and max (of R1), corners are exact and vertices on straight parts are left out;
+        elsewhere ``.status`` counts corners that are cut off, and the vertices that could not be moved.
 
     Raises
     ------
@@ -118,6 +128,18 @@ def level_lines(
     return found if asked is level else found[0]
 
 
+def dense_outline(shape: Shape, resolution: int, bounds: Bounds | None = None) -> LevelLines:
+    """The lines omega = 0 of a plane shape with a vertex on each edge of the lattice, on straight parts too.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> [len(lines(rsym.rectangle(1, 1), resolution=16)[0]) for lines in (level_lines, dense_outline)]
+    [5, 61]
+    """
+    return told(known_outline(plane_sampler(shape, "value", resolution=resolution, bounds=bounds), cut=True))
+
+
 def trace(
     sampler: PlaneSampler,
     level: float,
@@ -128,8 +150,12 @@ def trace(
 ) -> LevelLines:
     """The level lines of a prepared field over its lattice, or within bounds; `values` are its samples, if known."""
     if level == 0 and field == "value" and sampler.given is None:
-        return told(known_outline(sampler, cut=bounds is not None))
+        return told(sparse(known_outline(sampler, cut=bounds is not None)))
     values = sampler.values() if values is None else values
+    if field == "value" and sampler.given is None and not np.isnan(values).all():
+        exact = level_outline(sampler, level, values, cut=bounds is not None)
+        if exact is not None:
+            return told(sparse(exact))
     undefined = int(np.count_nonzero(np.isnan(values)))
     if undefined == values.size:
         raise RsymError(f"the field {field!r} is undefined in all of the bounds", code="undefined")
@@ -149,5 +175,6 @@ def trace(
         undefined_samples=undefined,
         closed=closed,
         open=len(lines) - closed,
+        unresolved_corners=turns(sampler, lines),
     )
-    return LevelLines(lines, level, field, status)
+    return sparse(LevelLines(lines, level, field, status))

@@ -14,7 +14,7 @@ from rsym.model.shape import Shape
 from rsym.sampling.distances import nearest_on_lines, nearest_on_mesh
 from rsym.sampling.extent import extent
 from rsym.sampling.labels import Labeller
-from rsym.sampling.level_lines import level_lines
+from rsym.sampling.level_lines import dense_outline
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 
@@ -72,7 +72,7 @@ def tell_of_bulge(blended: Shape, sharp: Shape, operands: Sequence[Shape]) -> No
 def _boundary(shape: Shape) -> list[Floats] | Mesh:
     box = extent(shape)
     if shape.dimension == 2:
-        return list(level_lines(shape, bounds=box, resolution=RESOLUTION[2]))
+        return list(dense_outline(shape, RESOLUTION[2], box))
     return mesh(shape, RESOLUTION[3], bounds=box)
 
 

@@ -18,7 +18,7 @@ from rsym.errors import RsymError, warn
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
-from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of
+from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of, level_leaves
 from rsym.sampling.roots import bracketed_roots
 from rsym.sampling.unseen import edges_of, seen_lines
 
@@ -26,12 +26,12 @@ from rsym.sampling.unseen import edges_of, seen_lines
 SMOOTH_JOINT = 1e-2
 
 
-def outline(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
+def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
     """The lines omega = 0 of a prepared plane; what is thinner than a cell is looked for."""
-    signs = _defined(sampler.signs())
+    signs = _defined(sampler.signs() if signs is None else signs)
     seen = seen_lines(sampler.lattice, signs, leaves)
     found = _on_leaves(sampler, leaves, signs, seen.lines)[0]
-    told = {name: getattr(seen, name) for name in ("unseen", "place", "finer", "examined")}
+    told = {name: getattr(seen, name) for name in ("unseen", "places", "finer", "examined")}
     return replace(found, status=replace(found.status, **told))
 
 
@@ -47,9 +47,9 @@ def known_outline(sampler: PlaneSampler, *, cut: bool) -> LevelLines:
     return replace(found, status=replace(found.status, undefined_samples=int(np.isnan(sampler.values()).sum())))
 
 
-def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
+def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
     """The same cut off at the bounds of the plane; new ends slide along the border onto the leaf beside them."""
-    found = outline(sampler, leaves)
+    found = outline(sampler, leaves, signs)
     lines, ends = cropped(found, sampler.bounds)
     if not ends:
         return found
@@ -73,6 +73,16 @@ def outline_within(sampler: PlaneSampler, leaves: PlaneLeaves) -> LevelLines:
     closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
     status = replace(found.status, vertices=sum(map(len, lines)), closed=closed, open=len(lines) - closed)
     return replace(found, lines=tuple(lines), status=status)
+
+
+def level_outline(sampler: PlaneSampler, level: float, values: Floats, *, cut: bool) -> LevelLines | None:
+    """The lines omega = level of a value that is a min and max of leaves, corners and all; of another value None."""
+    leaves = level_leaves(sampler.shape, sampler.free, sampler.fixed, sampler.letters, level, sampler.bounds)
+    if leaves is None:
+        return None
+    signs = np.where(np.isnan(values), np.nan, np.where(values >= level, 1.0, -1.0))
+    found = (outline_within if cut else outline)(sampler, leaves, signs)
+    return replace(found, level=level)
 
 
 def outline_on_edges(
@@ -141,19 +151,33 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floa
 def _without_beads(
     lines: Sequence[Floats], edges: Sequence[Floats], cell: float
 ) -> tuple[tuple[Floats, ...], tuple[Floats, ...]]:
-    """Lines without those that samples cut off a sharp tip: both ends have one corner, that of a line that stays."""
-    corners = [line[np.isnan(edge[:, 0])] for line, edge in zip(lines, edges, strict=True)]
-    beads = [
-        len(own) > 1 and np.ptp(own, axis=0).max() <= ON_LEVEL * cell and np.ptp(line, axis=0).max() <= 2 * REACH * cell
-        for line, own in zip(lines, corners, strict=True)
-    ]
-    others = np.concatenate([np.empty((0, 2)), *(own for own, bead in zip(corners, beads, strict=True) if not bead)])
+    """Lines without those that samples cut off a sharp tip: all ends have one corner, that of a line that stays."""
+    marks = [np.isnan(edge[:, 0]) for edge in edges]
+    beads = [_is_bead(line, mark, cell) for line, mark in zip(lines, marks, strict=True)]
+    corners = [line[mark] for line, mark, bead in zip(lines, marks, beads, strict=True) if not bead]
+    others = np.concatenate([np.empty((0, 2)), *corners])
     kept = [
         number
-        for number, (own, bead) in enumerate(zip(corners, beads, strict=True))
-        if not bead or np.abs(own[0] - others).max(axis=1).min(initial=np.inf) > ON_LEVEL * cell
+        for number, (line, mark, bead) in enumerate(zip(lines, marks, beads, strict=True))
+        if not bead or np.abs(line[mark][0] - others).max(axis=1).min(initial=np.inf) > ON_LEVEL * cell
     ]
     return tuple(lines[k] for k in kept), tuple(edges[k] for k in kept)
+
+
+def _is_bead(line: Floats, mark: Flags, cell: float) -> bool:
+    """Whether each part between corners, all at one place, goes out along its leaf and is cut off there.
+
+    A loop that only begins and ends at one place comes back by itself: the farthest vertex of it has some before and
+    behind.
+    """
+    if np.count_nonzero(mark) < 2 or np.ptp(line[mark], axis=0).max() > ON_LEVEL * cell:
+        return False
+    first = int(np.argmax(mark))
+    rows, cuts = (np.concatenate([part[first:-1], part[:first]]) for part in (line, mark))
+    parts = np.split(rows, np.flatnonzero(cuts)[1:])
+    far = [int(np.hypot(*(part - part[0]).T).argmax()) for part in parts]
+    one_way = all(number <= 1 or number == len(part) - 1 for number, part in zip(far, parts, strict=True))
+    return one_way and bool(np.ptp(line, axis=0).max() <= 2 * REACH * cell)
 
 
 def _off_walls(
@@ -239,7 +263,9 @@ def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
     first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
+    # Leaves that coincide have a corner with a third one anywhere, and a line would run there and back.
     holds = _near(joints, first, cell) & _near(joints, second, cell)
+    holds &= np.linalg.norm(first - second, axis=1) > ON_LEVEL * cell
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
     holds[near] = (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Protocol, runtime_checkable
@@ -15,6 +15,7 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel, compile_program
 from rsym.errors import RsymError
 from rsym.logic.inside import known_kernel
+from rsym.model.bounding import hull
 from rsym.model.letters import real_number
 from rsym.model.recent import recently
 from rsym.model.shape import Bounds, Shape
@@ -193,7 +194,7 @@ def plane_sampler(
     names = [symbol.name for symbol in on.coordinates]
     fixed = fixed_coordinates(names, section)
     free = _free_coordinates(names, fixed)
-    box, lattice = _lattice_of_view(on, free, resolution, bounds, letters)
+    box, lattice = _lattice_of_view(on, free, resolution, bounds, letters, section)
     replace(SAMPLES, memory=held * SAMPLES.memory, time=held * SAMPLES.time).check(
         resolution, lattice.counts, force=force
     )
@@ -270,18 +271,44 @@ def plane_view(
 
 
 def _lattice_of_view(
-    shape: Shape, free: tuple[int, int], resolution: Any, bounds: Any, letters: Mapping[Any, float] | None
+    shape: Shape,
+    free: tuple[int, int],
+    resolution: Any,
+    bounds: Any,
+    letters: Mapping[Any, float] | None,
+    section: Mapping[Any, float] | None = None,
 ) -> tuple[Bounds, Lattice]:
-    """The bounds of the free coordinates, and a lattice over them."""
+    """The bounds of the free coordinates, and a lattice over them: those of a section, where only that is bounded."""
     box = bounds
     if bounds is None or len(bounds) == len(shape.coordinates):
-        whole = bounds_or_extent(shape, bounds, letters, room=SURROUNDINGS)
-        box = tuple(whole[k] for k in free)
+        box = bounds_of_sections(shape, bounds, [section] if section else [], letters)
+        box = tuple(box[k] for k in free) if len(box) == len(shape.coordinates) else box
     else:
         check_letters(shape, letters)
     flat = Shape(0, [shape.coordinates[k] for k in free], bounds=box)
     assert flat.bounds is not None
     return flat.bounds, lattice_over(flat.bounds, resolution, math.inf)
+
+
+def bounds_of_sections(
+    shape: Shape, bounds: Any, sections: Sequence[Mapping[Any, float]], letters: Mapping[Any, float] | None
+) -> Bounds:
+    """The bounds of a shape, or in the plane of all that sections of it hold, where it goes on without end."""
+    try:
+        return bounds_or_extent(shape, bounds, letters, room=SURROUNDINGS)
+    except RsymError as error:
+        if error.code != "unbounded" or not sections:
+            raise
+    boxes = []
+    for section in sections:
+        try:
+            boxes.append(bounds_or_extent(plane_section(shape, section)[0], None, letters, room=SURROUNDINGS))
+        except RsymError as error:
+            if error.code != "empty" or (section is sections[-1] and not boxes):
+                raise
+    found = hull(boxes)
+    assert found is not None
+    return found
 
 
 def plane_section(shape: Shape, section: Mapping[Any, float] | None, bounds: Any = None) -> tuple[Shape, Any]:

@@ -12,10 +12,13 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.bounds.intervals import IntervalFunction
-from rsym.logic.sign_form import Gate, SignForm, shape_form, through
-from rsym.model.recent import recently
+from rsym.logic.lifting import lifted
+from rsym.logic.sign_form import Gate, SignForm, shape_form, sign_form, through
+from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
+from rsym.model.symbols import real_symbol
 from rsym.program.differentiation import derivative
+from rsym.program.lowering import lower
 from rsym.sampling.contours import ON_LEVEL
 from rsym.sampling.form_signs import Signs, joined_signs, signs_between
 from rsym.sampling.plane import large_form
@@ -23,6 +26,7 @@ from rsym.sampling.plane import large_form
 NEWTON_STEPS = 12
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
 REACH = 16.0
+LEVEL = "the level"  # a letter; none of a user has a space in its name
 # Where a leaf is asked whether it is zero all over a plane, as shares of the sides of the bounds.
 PLACES = np.stack(np.meshgrid([0.19, 0.43, 0.71], [0.23, 0.47, 0.83]), axis=-1).reshape(-1, 2)
 
@@ -324,6 +328,52 @@ def leaves_of(
     bounds: Bounds | None = None,
 ) -> PlaneLeaves:
     """The leaves of a shape in a plane, asked for mostly within bounds of that."""
-    found = PlaneLeaves(shape_form(shape), shape, free, fixed, letters, bounds)
+    found = PlaneLeaves(_form(shape), shape, free, fixed, letters, bounds)
     # Of a section the coordinate that is fixed may be a letter.
     return found.at(fixed) if fixed or found.form.builder.letters else found
+
+
+@recently(16, written)
+def _form(shape: Shape) -> SignForm:
+    """One form, so that bounds and kernels of its leaves are made once."""
+    return shape_form(shape)
+
+
+def level_leaves(
+    shape: Shape,
+    free: tuple[int, int],
+    fixed: Mapping[int, float],
+    letters: Mapping[Any, float] | None,
+    level: float,
+    bounds: Bounds | None = None,
+) -> PlaneLeaves | None:
+    """The leaves of omega - level where the value of omega is a min and max of several; else None.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> for system in (rsym.R0, rsym.R1):
+    ...     found = level_leaves(rsym.rectangle(2, 2, system=system), (0, 1), {}, None, 0.25)
+    ...     print(found and found.count)
+    None
+    2
+    """
+    moved = _lowered(shape)
+    form = _lifted_form(moved)
+    if form is None:
+        return None
+    given = {**shape.letters.values_with(letters), LEVEL: level}
+    return PlaneLeaves(form, moved, free, fixed, given, bounds).at(fixed)
+
+
+@recently(16)
+def _lowered(shape: Shape) -> Shape:
+    level = real_symbol(LEVEL)
+    return shape.replace(expression=shape.expression - level, letters={**shape.letters, level: 0})
+
+
+@recently(16)
+def _lifted_form(shape: Shape) -> SignForm | None:
+    form = shape_form(shape)
+    made = sign_form(form.builder, lifted(form.builder, lower(form.builder, shape.expression), 0))
+    return made if len(made.leaves) > 1 else None

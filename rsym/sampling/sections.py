@@ -15,9 +15,9 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.model.symbols import z
 from rsym.reports.words import plural
-from rsym.sampling.contours import LevelLines
+from rsym.sampling.contours import LevelLines, sparse
 from rsym.sampling.outlines import outline_within
-from rsym.sampling.plane import plane_sampler
+from rsym.sampling.plane import bounds_of_sections, plane_sampler
 from rsym.sampling.plane_leaves import leaves_of
 from rsym.sampling.progress import Progress, Steps
 
@@ -127,8 +127,11 @@ def sections(
     heights = [float(real_number(value, f"a section {axis}")) for value in values]
     if not heights:
         raise RsymError("sections need at least one value, got none", code="section", remedy="for example [0.5, 1.0]")
+    box = bounds
+    if bounds is None:
+        box = bounds_of_sections(shape, None, [{axis: height} for height in heights], letters)
     first = plane_sampler(
-        shape, "value", resolution=resolution, bounds=bounds, letters=letters, section={axis: heights[0]}, force=force
+        shape, "value", resolution=resolution, bounds=box, letters=letters, section={axis: heights[0]}, force=force
     )
     normal = names.index(str(axis))
     leaves = leaves_of(shape, first.free, first.fixed, letters, first.bounds)
@@ -136,7 +139,7 @@ def sections(
     for height in heights:
         fixed = {normal: height}
         here = leaves.at(fixed)
-        lines = outline_within(replace(first, fixed=fixed), here)
+        lines = sparse(outline_within(replace(first, fixed=fixed), here))
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
     unseen = [section for section in found if section.lines.status.unseen]

@@ -2,7 +2,8 @@
 
 Intervals exclude most cells: the form has one sign all over them. The others are looked at on a finer lattice.
 A cell is seen if either side has one piece in it, no hole, and a sample of the lattice in its own corners or, where a
-line bulges through a side, so have it and the neighbour that the line comes from together. Where cells are not seen,
+line bulges through a side, so have it and the neighbour that the line comes from together; and if a line goes nowhere
+farther than a part of the cell from its chord there. Where cells are not seen,
 they and those around them are cut in smaller ones, and these again, up to a limit; lines run through all sizes of them.
 """
 
@@ -14,11 +15,12 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.isolines import index_lines, lines_through
-from rsym.sampling.lattice import Lattice
+from rsym.sampling.isolines import beyond_chords, index_lines, lines_through, pieces
+from rsym.sampling.lattice import AROUND, Lattice, heaps, numbers_of
 from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
 PARTS = 8  # of the side of a cell that is looked at
+BULGE = 2.5  # of these a line may go beyond its chord in a cell, or beyond the cell
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
 TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
@@ -27,7 +29,6 @@ UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides ar
 _TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
 _BEYOND = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 _MIDDLES = _BEYOND + 1  # of a side, in halves of a cell
-_AROUND = np.indices((3, 3)).reshape(2, -1).T - 1
 _CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
 
 
@@ -38,12 +39,14 @@ class _TooMuch(Exception):
 class SeenLines(NamedTuple):
     """Lines by the middles (n, 2) of the sides that they cross, in indices; how many cells are unseen, and where.
 
+    Of those that lie together one place is told.
+
     Not `examined` are forms without bounds, and those that have none in too many cells.
     """
 
     lines: list[Floats]
     unseen: int = 0
-    place: tuple[float, float] | None = None
+    places: tuple[tuple[float, float], ...] = ()
     finer: float = 0.0
     examined: bool = True
 
@@ -92,7 +95,7 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
         cells = _on_lattice(open_cells, signs > 0)
         forced, loose = [np.empty((0, 2), np.int64)] * DEPTH, np.empty((0, 2), np.int64)
         for attempt in range(TRIES):
-            small, cut, unseen, place, size = _descended(leaves, lattice, cells, forced)
+            small, cut, unseen, places, size = _descended(leaves, lattice, cells, forced)
             if small is None:
                 return SeenLines(plain)
             apart = _elsewhere(signs > 0, known, cut)
@@ -106,8 +109,10 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
         return SeenLines(plain, examined=False)
     lines = [line / UNIT for line in lines_through(every.sides, every.high)]
     if len(loose) and not unseen:
-        unseen, place, size = len(loose), lattice.points(loose[0] / UNIT), max(lattice.spacing) / PARTS**DEPTH
-    return SeenLines(lines, unseen, (float(place[0]), float(place[1])) if unseen else None, size if unseen else 0.0)
+        unseen, places, size = len(loose), loose / UNIT, max(lattice.spacing) / PARTS**DEPTH
+    if not unseen:
+        return SeenLines(lines)
+    return SeenLines(lines, unseen, tuple((float(a), float(b)) for a, b in lattice.points(heaps(places))), size)
 
 
 def _descended(
@@ -115,16 +120,15 @@ def _descended(
 ) -> tuple[_Cells | None, Ints, int, Floats, float]:
     """Cells cut until what they hold is seen, None if nothing is; which of the first are cut; what stays unseen.
 
-    That is told by the number of cells, the middle of the first and the size. At each depth those `forced` are cut too.
+    That is told by the number of cells, their middles in indices, their size. At each depth those `forced` are cut too.
     """
     finer = lattice
     looked, found = _look(leaves, finer, cells, forced[0])
     cut, done = looked.first[found.cut], []
     if not found.unseen.any():
-        return None, cut, 0, np.zeros(2), 0.0
+        return None, cut, 0, np.empty((0, 2)), 0.0
     for depth in range(1, DEPTH + 1):
-        unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
-        place = finer.points(looked.first[found.unseen][:1] + 0.5)
+        size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS ** (depth - 1)
         cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
         try:
             undecided = _holds(leaves, finer, cells.first, 1)
@@ -133,13 +137,12 @@ def _descended(
             looked, found = _look(leaves, finer, cells.take(undecided), forced[depth] if depth < DEPTH else cut[:0])
         except _TooMuch:
             break
-        unseen, size = int(np.count_nonzero(found.unseen)), max(finer.spacing)
-        place = finer.points(looked.first[found.unseen][:1] + 0.5)
+        size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS**depth
         if not found.cut.any() or depth == DEPTH:
             break
-        done.append(cells.take(_number(looked.first[found.cut], cells.first) < 0))
+        done.append(cells.take(numbers_of(looked.first[found.cut], cells.first) < 0))
     every = _Cells(*(np.concatenate(parts) for parts in zip(*done, cells, strict=True)))
-    return every, cut, unseen, place[0] if len(place) else np.zeros(2), size
+    return every, cut, len(places), places, size
 
 
 def _loose(cells: _Cells, lattice: Lattice) -> Ints:
@@ -240,13 +243,13 @@ def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: fl
 def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints) -> tuple[_Cells, _Found]:
     """What cells hold between their corners: those that were looked at, and what was found in them."""
     wild = _wild(leaves, lattice, every)
-    must = _number(every.first, forced)
+    must = numbers_of(every.first, forced)
     wild[must[must >= 0]] = True
     while True:
         cells, found = _look_at(leaves, lattice, every, wild, forced)
         # A side to a cell that is not to be cut is plain.
         beside = (cells.first[:, None] + _BEYOND)[found.cut[:, None] & ~found.plain]
-        missed = _number(every.first, beside[_number(cells.first, beside) < 0])
+        missed = numbers_of(every.first, beside[numbers_of(cells.first, beside) < 0])
         if not (missed >= 0).any():
             return cells, found
         wild[missed[missed >= 0]] = True
@@ -261,10 +264,11 @@ def _look_at(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, 
     values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
     known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
-    unseen = np.asarray((_hidden(high, cells) | _doubtful(leaves, lattice, cells, high, wild)) & known & wild)
+    hidden = _hidden(high, cells) | beyond_chords(high, BULGE) | _doubtful(leaves, lattice, cells, high, wild)
+    unseen = np.asarray(hidden & known & wild)
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
     cut = np.asarray(_grown(unseen, cells.first))
-    must = _number(cells.first, forced)
+    must = numbers_of(cells.first, forced)
     cut[must[must >= 0]] = True
     cut &= known
     ends = np.stack([high[:, 0], high[:, -1], high[:, :, 0], high[:, :, -1]], axis=1)
@@ -317,7 +321,7 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
     corners = np.stack([high[:, :-1, :-1], high[:, :-1, 1:], high[:, 1:, :-1], high[:, 1:, 1:]])
     crossed[:, 1:-1, 1:-1] = corners.any(axis=0) & ~corners.all(axis=0)
     near = np.repeat(~wild, PARTS**2).reshape(-1, PARTS, PARTS)
-    for down, right in _AROUND + 1:
+    for down, right in AROUND + 1:
         near |= crossed[:, down : down + PARTS, right : right + PARTS]
     own, size = np.flatnonzero(~near.all(axis=(1, 2))), PARTS
     rest = np.zeros((len(own), 2), np.int64)
@@ -331,7 +335,7 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
         own, rest = own[some], rest[some]
     rest += PARTS * cells.first[own]
     parts = PARTS * cells.first[:, None, None] + np.moveaxis(np.indices((PARTS, PARTS)), 0, -1)
-    beside = _number(parts[crossed[:, 1:-1, 1:-1]], (rest[:, None] + _AROUND).reshape(-1, 2)).reshape(-1, 9)
+    beside = numbers_of(parts[crossed[:, 1:-1, 1:-1]], (rest[:, None] + AROUND).reshape(-1, 2)).reshape(-1, 9)
     doubtful = np.zeros(len(high), np.bool_)
     doubtful[own[(beside < 0).all(axis=1)]] = True
     return doubtful
@@ -339,58 +343,39 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
 
 def _beside(cells: Ints) -> Ints:
     """Which cells (k, 4) lie across the sides of each, -1 for none."""
-    return _number(cells, (cells[:, None] + _BEYOND).reshape(-1, 2)).reshape(-1, 4)
-
-
-def _number(cells: Ints, wanted: Ints) -> Ints:
-    """Which of the cells those that are wanted are; -1 for others."""
-    if not len(cells):
-        return np.full(len(wanted), -1)
-    low, width = cells.min(axis=0) - 1, int(np.ptp(cells[:, 1])) + 3
-    wanted = np.clip(wanted, low, cells.max(axis=0) + 1)
-    key, asked = ((some - low) @ np.array([width, 1]) for some in (cells, wanted))
-    order = np.argsort(key)
-    place = np.minimum(np.searchsorted(key[order], asked), len(key) - 1)
-    return np.asarray(np.where(key[order[place]] == asked, order[place], -1))
+    return numbers_of(cells, (cells[:, None] + _BEYOND).reshape(-1, 2)).reshape(-1, 4)
 
 
 def _grown(some: Flags, cells: Ints) -> Flags:
     """Some of the cells, and those around them."""
     grown = some.copy()
-    near = _number(cells, (cells[some][:, None] + _AROUND).reshape(-1, 2))
+    near = numbers_of(cells, (cells[some][:, None] + AROUND).reshape(-1, 2))
     grown[near[near >= 0]] = True
     return grown
-
-
-def _pieces(inside: Flags) -> Ints:
-    """The pieces less the holes of sets of points (k, m, m): vertices less edges and squares."""
-    across, along = inside[:, 1:] & inside[:, :-1], inside[:, :, 1:] & inside[:, :, :-1]
-    squares = across[:, :, 1:] & across[:, :, :-1]
-    counts = [np.count_nonzero(one, axis=(1, 2)) for one in (inside, across, along, squares)]
-    return np.asarray(counts[0] - counts[1] - counts[2] + counts[3])
 
 
 def _hidden(high: Flags, cells: _Cells) -> Flags:
     """Which cells hold more than their corners say."""
     corners = high[:, [0, 0, -1, -1], [0, -1, 0, -1]]
     crossed = ~(corners == corners[:, :1]).all(axis=1)
-    above, below = _pieces(high), _pieces(~high)
+    above, below = pieces(high), pieces(~high)
     saddle = (corners[:, 0] == corners[:, 3]) & (corners[:, 1] == corners[:, 2]) & (corners[:, 0] != corners[:, 1])
     # The lines keep the high ones of a saddle apart.
     alone = (above + below == 1) & ~crossed
     simple = ((below == 1) & (above == np.where(saddle, 2, 1))) | alone
     hidden = ~simple
     # A line that bulges into a cell without a sample on its other side is seen if it and the cell beside are one.
-    bulge = (high != corners[:, :1, None]) & ~crossed[:, None, None]
+    bulge = np.asarray((high != corners[:, :1, None]) & ~crossed[:, None, None])
     hidden |= bulge.any(axis=(1, 2))
     for axis in (1, 2):
         for end in (0, -1):
-            own = np.flatnonzero(simple & bulge.take(end, axis).any(axis=1))
+            inner = np.delete(bulge, np.arange(int(BULGE) + 1) if end == 0 else -1 - np.arange(int(BULGE) + 1), axis)
+            own = np.flatnonzero(simple & bulge.take(end, axis).any(axis=1) & ~inner.any(axis=(1, 2)))
             beside = cells.first[own] + (1 if end else -1) * (np.arange(2) == axis - 1)
-            other = _number(cells.first, beside)
+            other = numbers_of(cells.first, beside)
             own, other = own[other >= 0], other[other >= 0]
             pair = (high[other], high[own]) if end == 0 else (high[own], high[other])
             both = np.concatenate([pair[0], pair[1].take(np.arange(1, high.shape[axis]), axis)], axis=axis)
-            one = (_pieces(both) == 1) & (_pieces(~both) == 1) & crossed[other]
+            one = (pieces(both) == 1) & (pieces(~both) == 1) & crossed[other]
             hidden[own[one]] = hidden[other[one]] = False
     return np.asarray(hidden)

@@ -149,7 +149,8 @@ def _still_forms(
     low, high = surface.domain[axis]
     side = np.where(places[axis] == low, 1.0, np.where(places[axis] == high, -1.0, np.nan))
     orders = [order if axis == 1 else order[::-1] for order in STILL]
-    along, a, bent, twist, off, steep = surface.derivatives(*places, orders, letters=letters)
+    u, v = places
+    along, a, bent, twist, off, steep = surface.derivatives(u, v, orders, letters=letters)
     a, twist = side[:, None] * a, side[:, None] * twist
     n = _unit(np.cross(along, a) if axis == 1 else np.cross(a, along))
     there = np.where(np.abs(dot(n, off)) <= APEX * norm(a) / (high - low), dot(n, steep) / 3, np.nan)

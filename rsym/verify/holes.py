@@ -1,4 +1,4 @@
-"""Holes: the zeros of a denominator, on which omega has no value, though a limit it may have; sin(x)/x at x = 0."""
+"""Holes: where omega has no value, though a limit it may have: sin(x)/x and x**2 log|x| at x = 0."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LONGEST = 60  # letters of an equation: what is longer tells nobody where it hol
 def holes(model: Model, boxes: Sequence[Box]) -> tuple[tuple[str, bool], ...]:
     """Of boxes left over, sentences on where omega has no value, each with whether it is proved.
 
-    A denominator is zero within a box at whose corners it has both signs.
+    A denominator, or what a logarithm takes the modulus of, is zero within a box at whose corners it has both signs.
 
     Parameters
     ----------
@@ -46,7 +46,11 @@ def _equations(local: Local) -> Iterator[str]:
     builder = local.model.builder
     for part in sorted(generators(local, local.model.root).hard):
         operation, arguments, _ = builder.nodes[part]
-        if operation == "div" and changes_sign(local, below := bare(builder, arguments[1])):
+        below = arguments[-1] if operation in {"div", "log"} else None
+        if operation == "log" and below is not None:
+            inner = builder.nodes[below]
+            below = inner.arguments[0] if inner.operation == "abs" else None
+        if below is not None and changes_sign(local, below := bare(builder, below)):
             formula = polynomial_of(local.model, below)
             equation = f"{formula} = 0"
             if formula is not None and len(equation) <= LONGEST:

@@ -115,7 +115,7 @@ def verify_smoothness(
 def _beyond(report: R, shape: Shape, bounds: Any, letters: Mapping[str, Any]) -> R:
     """The report, which says whether the boundary goes on beyond the window that it speaks of."""
     if any(low < high for low, high in letters.values()):
-        beyond = False if holds_at_all(shape, report.cover.bounds, letters) else None
+        beyond = False if holds_at_all(shape, outer_bounds(shape, bounds, letters), letters) else None
     else:
         beyond = goes_beyond(shape, bounds, {name: low for name, (low, _) in report.letters.items()})
     said = {

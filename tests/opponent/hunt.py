@@ -27,7 +27,9 @@ def _give_up(*_):
 def main() -> int:
     """The command."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("kind", help="plane, space, turned, made, lettered, questions")
+    parser.add_argument(
+        "kind", help="plane, space, turned, made, lettered, parted, windows, thin, or another module beside"
+    )
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--start", type=int, default=0)
     parser.add_argument("--only", default="", help="part of the name of a family")

@@ -1,4 +1,4 @@
-"""Offsets and shells of pieces whose distance is known in closed form: `python -m opponent.lengths --count N`.
+"""Offsets and shells of pieces whose distance is known in closed form: `python tests/opponent/hunt.py lengths`.
 
 Discs, rectangles, regular polygons, balls, boxes, cylinders and plates with a hole, alone or two far apart, in letters
 or numbers, moved and turned, are shrunk, made shells, or grown. Edges stay sharp, so the truth is the least distance
@@ -6,7 +6,6 @@ from the faces plus what was asked for; where what has edges grows the true dist
 found on random segments.
 """
 
-import argparse
 import warnings
 
 import numpy as np
@@ -15,7 +14,7 @@ import sympy as sp
 import rsym
 
 FAR = 40
-SEGMENTS, HALVINGS = 2000, 60
+SEGMENTS, HALVINGS = 1000, 60
 
 
 def rational(random, low, high):
@@ -97,66 +96,76 @@ def moved(random, shape):
     return shape.translate(*way), lambda at: (at - np.array(way, float)) @ turn
 
 
-def complaint(seed):
-    """What is silent and wrong about a case, or told without a reason; nothing if all is well."""
-    random = np.random.default_rng(seed)
-    dimension = 2 if random.random() < 0.7 else 3
-    pieces = [piece(random, dimension) for _ in range(1 + (random.random() < 0.3))]
-    steps = [(number * FAR,) + (0,) * (dimension - 1) for number in range(len(pieces))]
-    shape = pieces[0][0]
-    for (other, *_), step in zip(pieces[1:], steps[1:], strict=True):
-        shape = shape | other.translate(*step)
-    shape, back = moved(random, shape)
-    sharp = any(edged for *_, edged, _ in pieces)
-    way = ("shrunk", "shell", "grown")[random.integers(3)]
-    share = random.uniform(0.1, 0.6) / (4 if way == "grown" else 1)
-    distance = sp.Rational(max(1, round(100 * share * min(depth for _, _, depth, *_ in pieces))), 100)
-    d = float(distance)
-    text = f"{seed}: {' and '.join(one[-1] for one in pieces)} {way} by {distance}"
+class Case:
+    """A shape that is to be made smaller, hollow or larger, and its true distance."""
+
+    def __init__(self, seed):
+        self.random = random = np.random.default_rng(seed)
+        self.dimension = 2 if random.random() < 0.7 else 3
+        pieces = [piece(random, self.dimension) for _ in range(1 + (random.random() < 0.3))]
+        self.steps = np.array([(number * FAR,) + (0,) * (self.dimension - 1) for number in range(len(pieces))], float)
+        shape = pieces[0][0]
+        for (other, *_), step in zip(pieces[1:], self.steps[1:], strict=True):
+            shape = shape | other.translate(*map(int, step))
+        self.shape, self.back = moved(random, shape)
+        self.sharp = any(edged for *_, edged, _ in pieces)
+        self.own = [one[1] for one in pieces]
+        self.family = self.way = ("shrunk", "shell", "grown")[random.integers(3)]
+        share = random.uniform(0.1, 0.6) / (4 if self.way == "grown" else 1)
+        self.by = sp.Rational(max(1, round(100 * share * min(depth for _, _, depth, *_ in pieces))), 100)
+        self.text = f"{' and '.join(one[-1] for one in pieces)} {self.way} by {self.by}"
+
+    def __str__(self):
+        return self.text
+
+    def made(self):
+        """What was asked for, as rsym has it."""
+        if self.way == "shell":
+            return rsym.shell(self.shape, self.by)
+        return rsym.offset(self.shape, self.by if self.way == "grown" else -self.by)
+
+    def truth(self, points):
+        """The distance from the new boundary at points, of one sign inside."""
+        at, by = self.back(points), float(self.by)
+        own = np.max([one(at - step) for one, step in zip(self.own, self.steps, strict=True)], axis=0)
+        return np.minimum(own, by - own) if self.way == "shell" else own + (by if self.way == "grown" else -by)
+
+    def boundary(self, function):
+        """Points of a boundary on random segments."""
+        count = 2 * SEGMENTS
+        middles = self.steps[self.random.integers(len(self.steps), size=count)]
+        ends = middles + self.random.uniform(-7, 7, (count, self.dimension))
+        origin = self.back(np.zeros((1, self.dimension)))
+        frame = self.back(np.eye(self.dimension)) - origin  # rows: the images of the axes
+        low, high = np.split((ends - origin) @ np.linalg.inv(frame), 2)
+
+        def inside(points):
+            return function(*points.T)["value"] >= 0
+
+        start = inside(low)
+        crossed = start != inside(high)
+        low, high, start = low[crossed], high[crossed], start[crossed]
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            same = inside(middle) == start
+            low[same], high[~same] = middle[same], middle[~same]
+        return low
+
+
+case = Case
+
+
+def asked(case):
+    """A word, and what is silent and wrong, or told without a reason."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", rsym.RsymWarning)
-        grown = distance if way == "grown" else -distance
-        made = rsym.shell(shape, distance) if way == "shell" else rsym.offset(shape, grown)
+        made = case.made()
     told = any("instead of" in str(one.message) for one in caught)
-    if told != (way == "grown" and sharp):
-        return f"{text}: {'told without a reason' if told else 'sharp corners are farther away, and nothing says so'}"
-
-    def truth(points):
-        at = back(points)
-        own = np.max([one[1](at - np.array(step)) for one, step in zip(pieces, steps, strict=True)], axis=0)
-        return np.minimum(own, d - own) if way == "shell" else own + float(grown)
-
-    middles = np.array(steps, float)[random.integers(len(steps), size=2 * SEGMENTS)]
-    ends = middles + random.uniform(-7, 7, (2 * SEGMENTS, dimension))
-    origin = back(np.zeros((1, dimension)))
-    frame = back(np.eye(dimension)) - origin  # rows: the images of the axes
-    low, high = np.split((ends - origin) @ np.linalg.inv(frame), 2)
-    function = rsym.compile(made)
-
-    def value(points):
-        return function(*points.T)["value"]
-
-    start = value(low) >= 0
-    crossed = start != (value(high) >= 0)
-    low, high, start = low[crossed], high[crossed], start[crossed]
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        same = (value(middle) >= 0) == start
-        low[same], high[~same] = middle[same], middle[~same]
-    if len(low) < 20:
-        return f"{text}: hardly any boundary is found"
-    off = np.abs(truth(low)).max()
-    return f"{text}: the boundary is off by {off}" if off > 1e-9 * FAR else ""
-
-
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--count", type=int, default=100)
-    parser.add_argument("--seed", type=int, default=0)
-    asked = parser.parse_args()
-    found = [said for seed in range(asked.seed, asked.seed + asked.count) if (said := complaint(seed))]
-    print(*found, f"{len(found)} of {asked.count} are wrong", sep="\n")
-
-
-if __name__ == "__main__":
-    main()
+    word = "told" if told else "kept"
+    if told != (case.way == "grown" and case.sharp):
+        return word, ["told without a reason" if told else "sharp corners are farther away, and nothing says so"]
+    points = case.boundary(rsym.compile(made))
+    if len(points) < 20:
+        return word, ["hardly any boundary is found"]
+    off = np.abs(case.truth(points)).max()
+    return word, [f"the boundary is off by {off}"] if off > 1e-9 * FAR else []

@@ -5,18 +5,18 @@ places, in random order, some parts of one name, some of none. The truth is coun
 a face between a cell inside and one outside belongs to all boxes that end there. Measures, points drawn on
 it, points inside and rays are asked; of a group that has a name boxes without one have it.
 
-    cd tests; python -m opponent.parted --count 2000 --seed 1
+    python tests/opponent/hunt.py parted --count 2000 --start 1
 """
 
 from __future__ import annotations
 
-import argparse
 import collections
 import functools
 import itertools
 import math
 import operator
 import random
+import warnings
 
 import numpy as np
 import sympy as sp
@@ -46,6 +46,14 @@ class Bricks:
         if self.grouped:
             self.names[:2] = [name or GROUP for name in self.names[:2]]
         self.chance = chance
+
+    def __str__(self):
+        return " ".join(f"{name}{box}" for name, box in zip(self.names, self.boxes, strict=True))
+
+    @property
+    def window(self):
+        """Room for all."""
+        return ((-1, SIDE + 1),) * self.dimension
 
     def shape(self):
         """As rsym has it, in a random order."""
@@ -134,12 +142,16 @@ class Rods:
     """Cylinders of one radius about the z axis, with names, joined."""
 
     dimension = 3
+    window = ((-2, 2), (-2, 2), (-1, SIDE + 1))
 
     def __init__(self, chance):
         self.radius = chance.choice((0.5, 1, 1.5))
         count = chance.randint(2, 4)
         self.ends = [tuple(sorted(chance.sample(range(SIDE + 1), 2))) for _ in range(count)]
         self.names = [NAMES[k] if chance.random() < 0.85 else "A" for k in range(count)]
+
+    def __str__(self):
+        return f"rods of {self.radius}: " + " ".join(map(str, zip(self.names, self.ends, strict=True)))
 
     def shape(self):
         """As rsym has it."""
@@ -174,11 +186,13 @@ def exact(value):
     return sp.Rational(value)
 
 
-def made(seed):
+def case(seed):
     """What a seed makes."""
     chance = random.Random(seed)
-    kind = chance.choice(("plane", "plane", "space", "rods"))
-    return Rods(chance) if kind == "rods" else Bricks(chance, 2 if kind == "plane" else 3)
+    kind = chance.choice(("plane", "plane", "plane", "space", "rods"))
+    made = Rods(chance) if kind == "rods" else Bricks(chance, 2 if kind == "plane" else 3)
+    made.family, made.seed = kind, seed
+    return made
 
 
 def known(names):
@@ -195,29 +209,28 @@ def by_names(parts):
     return found
 
 
-def faults(seed, *, pictures=False):
-    """What is wrong of a seed, in words."""
-    case = made(seed)
+def asked(case):
+    """What was asked, and what is wrong, in words."""
     truth = case.truth()
     if not truth:
-        return []
-    try:
-        shape = case.shape()
-        bounds = ((-1, SIDE + 1),) * case.dimension if isinstance(case, Bricks) else ((-2, 2), (-2, 2), (-1, SIDE + 1))
-        shape = shape.replace(bounds=bounds)
-        found = by_names(rsym.measure(shape).parts)
-    except rsym.RsymError as error:
-        return [f"refused: {error}"]
-    said = [
-        f"measure of {sorted(names)}: {found[names]:.12g} for {truth[names]:.12g}"
-        for names in {*truth, *found}
-        if abs(found[names] - truth[names]) > WITHIN * (1 + truth[names])
-    ]
-    if isinstance(case, Bricks):
-        said += drawn(case, shape, seed) + held(case, shape) + met(case, shape)
-    if pictures and case.dimension == 3:
-        said += meshed(shape, truth)
-    return said
+        return "nothing", []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rsym.RsymWarning)  # where boxes touch along an edge, or in a sheet
+        try:
+            shape = case.shape().replace(bounds=case.window)
+            found = by_names(rsym.measure(shape).parts)
+        except rsym.RsymError as error:
+            return "refused", [str(error)]
+        said = [
+            f"measure of {sorted(names)}: {found[names]:.12g} for {truth[names]:.12g}"
+            for names in {*truth, *found}
+            if abs(found[names] - truth[names]) > WITHIN * (1 + truth[names])
+        ]
+        if isinstance(case, Bricks):
+            said += drawn(case, shape) + held(case, shape) + met(case, shape)
+        if case.dimension == 3 and case.seed % 4 == 0:
+            said += meshed(shape, truth)
+    return "asked", said
 
 
 def held(case, shape):
@@ -253,10 +266,10 @@ def met(case, shape):
     ][:3]
 
 
-def drawn(case, shape, seed):
+def drawn(case, shape):
     """Points that are drawn on each part lie there."""
     said = []
-    on = rsym.sample(shape, 200, over="boundary", rng=seed, **({} if case.dimension == 2 else {"resolution": 16}))
+    on = rsym.sample(shape, 200, over="boundary", rng=case.seed, resolution=32 if case.dimension == 2 else 16)
     for point, name in zip(on.points.tolist(), on.parts.tolist(), strict=True):
         names = case.named_at(point)
         if names is not None and known(name.split(BETWEEN)) != names:
@@ -275,23 +288,3 @@ def meshed(shape, truth):
         for names in {*truth, *found}
         if abs(found[names] - truth[names]) > 1 + 0.15 * truth[names]
     ]
-
-
-def main():
-    """Ask many seeds, and say which are wrong."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--pictures", action="store_true", help="meshes too")
-    asked = parser.parse_args()
-    wrong = 0
-    for seed in range(asked.seed, asked.seed + asked.count):
-        said = faults(seed, pictures=asked.pictures)
-        if said:
-            wrong += 1
-            print(seed, *said, sep="\n  ", flush=True)
-    print(f"{wrong} of {asked.count} wrong")
-
-
-if __name__ == "__main__":
-    main()

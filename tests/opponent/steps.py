@@ -3,20 +3,21 @@
 sign, Heaviside, Piecewise, floor and sums with them say the same of what is inside as the leaf itself, which the twin
 has; a few jump where their sign does not change.
 
-    cd tests; python -m opponent.steps --count 2000 --seed 1
+    python tests/opponent/hunt.py steps --count 2000 --start 1
 """
 
 from __future__ import annotations
 
-import argparse
-import random
+from functools import lru_cache
 
 import sympy as sp
 
 import rsym
-from opponent.twins import Twins, hunt
-from opponent.undefined import eighths, plain_leaf
-from rsym import Shape, x, y, z
+from opponent.twins import Drawn, Twins, asked
+from opponent.undefined import plain_leaf
+from rsym import x, y, z
+
+__all__ = ["asked", "case"]
 
 LARGEST = 64  # no leaf is larger in the window
 HALF = sp.Rational(1, 2)
@@ -24,8 +25,8 @@ HALF = sp.Rational(1, 2)
 
 def stepped(chance, u, coordinates):
     """The leaf u with a jump, of its sign."""
-    k = eighths(chance, 1, 3)
-    place = coordinates[0] - eighths(chance, -1, 1) - sp.Rational(1, 32)
+    k = sp.Rational(chance.randint(8, 24), 8)
+    place = coordinates[0] - chance.eighths(-8, 8) - sp.Rational(1, 32)
     even = 1 + coordinates[1] ** 2
     return chance.choice(
         [
@@ -54,7 +55,7 @@ def stepped(chance, u, coordinates):
 def _tree(chance, depth, coordinates):
     if depth == 0:
         u = plain_leaf(chance, coordinates)
-        return stepped(chance, u, coordinates), Shape(u, coordinates)
+        return stepped(chance, u, coordinates), chance.shape(u, coordinates)
     (one, plain), (other, more) = (_tree(chance, depth - 1, coordinates) for _ in range(2))
     system = chance.choice((rsym.R0, rsym.R1))
     if chance.random() < 0.5:
@@ -62,25 +63,18 @@ def _tree(chance, depth, coordinates):
     return rsym.disjunction(one, other, system=system), plain | more
 
 
-def made(seed):
-    """What a seed makes: cut off by a ball, which may have a jump too."""
-    chance = random.Random(seed)
-    coordinates = (x, y) if chance.random() < 0.75 else (x, y, z)
+@lru_cache(maxsize=2)
+def tree(seed, lettered):
+    """A tree with its numbers still to be drawn, cut off by a ball, which may have a jump too."""
+    chance = Drawn(seed, lettered)
+    coordinates = (x, y) if chance.random() < 0.85 else (x, y, z)
     expression, plain = _tree(chance, chance.choice((0, 1, 1, 2)), coordinates)
     ball = sp.Rational(25, 16) * 2 - sum(one**2 for one in coordinates)
     cut = stepped(chance, ball, coordinates) if chance.random() < 0.3 else ball
-    shape = Shape(rsym.conjunction(expression, cut), coordinates)
-    return Twins(shape, plain & Shape(ball, coordinates), str(shape.expression))
+    shape = chance.shape(rsym.conjunction(expression, cut), coordinates)
+    return chance, Twins(shape, plain & chance.shape(ball, coordinates), str(shape.expression))
 
 
-def main():
-    """Ask many seeds."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=0)
-    asked = parser.parse_args()
-    hunt(made, asked.seed, asked.count)
-
-
-if __name__ == "__main__":
-    main()
+def case(seed):
+    """What a seed makes."""
+    return Drawn.settled(tree, seed)

@@ -2,30 +2,28 @@
 
 A leaf p(u) - c, p a root, a logarithm, an arc, a power, is true where u is above a number and in the domain of p, false
 below it there, and elsewhere unknown. Kleene's logic carries both sets through a tree; the twin is the set that is
-surely true, of plain leaves. What bounds a domain is a wall.
+surely true, of plain leaves. What bounds a domain is a wall. As a rule the numbers are letters, of which some settings
+are asked one after the other: what is compiled is compiled once.
 
-    cd tests; python -m opponent.undefined --count 2000 --seed 1
+    python tests/opponent/hunt.py undefined --count 2000 --start 1
 """
 
 from __future__ import annotations
 
-import argparse
-import random
+from functools import lru_cache
 
 import sympy as sp
 
 import rsym
-from opponent.twins import WALL, Twins, hunt
-from rsym import Shape, x, y, z
+from opponent.twins import WALL, Drawn, Twins, asked
+from rsym import x, y, z
 
-
-def eighths(chance, low, high):
-    return sp.Rational(chance.randint(8 * low, 8 * high), 8)
+__all__ = ["asked", "case"]
 
 
 def plain_leaf(chance, coordinates):
     """A leaf with a value everywhere, of the size of 1."""
-    a, b, c = (eighths(chance, -1, 1) + sp.Rational(1, 16) for _ in range(3))
+    a, b, c = (chance.eighths(-8, 8) + sp.Rational(1, 16) for _ in range(3))
     others = coordinates[2:]
     square = sum((one - place) ** 2 for one, place in zip(coordinates, (a, b, c), strict=False))
     return chance.choice(
@@ -43,7 +41,7 @@ def plain_leaf(chance, coordinates):
 
 def _partial(chance, u):
     """A leaf p(u) - c, and where it is true, false, of u, as plain leaves, and what of these are walls."""
-    c = sp.Rational(chance.randint(1, 7), 8)
+    c = chance.eighths(1, 7)
     k = chance.choice((1, 2, sp.Rational(1, 2)))
     kind = chance.choice(("sqrt", "log", "asin", "acos", "root", "power", "letterless", "piece", "difference"))
     upper = None
@@ -68,11 +66,11 @@ def _partial(chance, u):
     return leaf, true, false
 
 
-def _meet(leaves, coordinates):
+def _meet(chance, leaves, coordinates):
     """The set where all of some leaves are positive."""
     made = None
     for leaf, wall in leaves:
-        one = Shape(leaf, coordinates)
+        one = chance.shape(leaf, coordinates)
         one = one.named(WALL) if wall else one
         made = one if made is None else made & one
     return made
@@ -83,11 +81,11 @@ def _tree(chance, depth, coordinates):
     if depth == 0:
         u = plain_leaf(chance, coordinates)
         if chance.random() < 0.45:
-            one = Shape(u, coordinates)
+            one = chance.shape(u, coordinates)
             return u, one, ~one
         leaf, true, false = _partial(chance, u)
         sign = chance.choice((1, 1, -1))
-        both = _meet(true, coordinates), _meet(false, coordinates)
+        both = _meet(chance, true, coordinates), _meet(chance, false, coordinates)
         return sign * leaf, *(both if sign > 0 else both[::-1])
     (one, yes, no), (other, more, less) = (_tree(chance, depth - 1, coordinates) for _ in range(2))
     system = chance.choice((rsym.R0, rsym.R1))
@@ -96,24 +94,17 @@ def _tree(chance, depth, coordinates):
     return rsym.disjunction(one, other, system=system), yes | more, no & less
 
 
-def made(seed):
-    """What a seed makes: cut off by a ball, which is whole."""
-    chance = random.Random(seed)
-    coordinates = (x, y) if chance.random() < 0.75 else (x, y, z)
+@lru_cache(maxsize=2)
+def tree(seed, lettered):
+    """A tree with its numbers still to be drawn, cut off by a ball, which is whole."""
+    chance = Drawn(seed, lettered)
+    coordinates = (x, y) if chance.random() < 0.85 else (x, y, z)
     expression, true, _ = _tree(chance, chance.choice((1, 1, 2)), coordinates)
     ball = sp.Rational(25, 16) * 2 - sum(one**2 for one in coordinates)
-    shape = Shape(rsym.conjunction(expression, ball), coordinates)
-    return Twins(shape, true & Shape(ball, coordinates), str(expression))
+    shape = chance.shape(rsym.conjunction(expression, ball), coordinates)
+    return chance, Twins(shape, true & chance.shape(ball, coordinates), str(expression))
 
 
-def main():
-    """Ask many seeds."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--count", type=int, default=2000)
-    parser.add_argument("--seed", type=int, default=0)
-    asked = parser.parse_args()
-    hunt(made, asked.seed, asked.count)
-
-
-if __name__ == "__main__":
-    main()
+def case(seed):
+    """What a seed makes."""
+    return Drawn.settled(tree, seed)

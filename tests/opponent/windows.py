@@ -3,15 +3,18 @@
 Discs and bars, balls and blocks, half-spaces, formulas without a box, long tools and letters that are moved are
 combined, and moved. What is inside is said of points by logic alone; points on the boundaries of pieces at which it
 changes are points of the boundary, wherever they are.
+
+    python tests/opponent/hunt.py windows --count 2000 --start 1
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import sympy as sp
 
 import rsym
 from rsym import x, y, z
+from rsym.sampling.windows import bounds_or_extent
 
 STEP = 1e-6  # across the boundary of a piece, relative to how far it is away
 FAR = 1e6  # beyond all bounded pieces
@@ -25,6 +28,15 @@ class Made:
     inside: object
     edge: object
     text: str
+    seed: int = 0
+
+    def __str__(self):
+        return self.text
+
+    @property
+    def family(self):
+        """What is counted together."""
+        return "space" if self.shape.dimension == 3 else "plane"
 
 
 def rational(random, low, high):
@@ -154,7 +166,8 @@ def case(seed):
             whole = piece
             piece = Made(~whole.shape, lambda p, whole=whole: ~whole.inside(p), whole.edge, f"~{whole.text}")
         made = piece if made is None else combined(made, piece, random.choice(list(OPERATIONS)))
-    return moved(random, made) if random.random() < 0.3 else made
+    made = moved(random, made) if random.random() < 0.3 else made
+    return replace(made, seed=seed)
 
 
 def boundary_of(made, seed):
@@ -162,3 +175,18 @@ def boundary_of(made, seed):
     points, normals = made.edge(np.random.default_rng(seed))
     step = STEP * np.maximum(1.0, np.linalg.norm(points, axis=1))[:, None] * normals
     return points[made.inside(points + step) != made.inside(points - step)]
+
+
+def asked(case):
+    """What was answered, and what is wrong of it: all of the boundary lies in the box, or it goes on."""
+    points = boundary_of(case, case.seed)
+    distance = np.abs(points).max(axis=1, initial=0.0)
+    goes_on = bool((distance > FAR).any())
+    try:
+        box = np.array(bounds_or_extent(case.shape, None))
+    except rsym.RsymError as error:
+        wrong = {"unbounded": not goes_on, "empty": len(points) > 0}[error.code]
+        return error.code, [error.code] if wrong else []
+    slack = 1e-9 * distance.max(initial=0.0)
+    outside = (points < box[:, 0] - slack) | (points > box[:, 1] + slack)
+    return "box", [f"{points[outside.any(axis=1)][:1]} outside {box.tolist()}"] if outside.any() else []

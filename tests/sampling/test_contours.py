@@ -133,3 +133,27 @@ def test_several_levels_are_sampled_once_and_answered_in_their_order():
 def test_levels_that_are_none(level):
     with pytest.raises(RsymError):
         rsym.level_lines(DISC, level, resolution=16)
+
+
+def test_straight_parts_have_no_vertices_and_bends_keep_theirs():
+    lines = rsym.level_lines(rsym.rectangle(4, 2) - rsym.disc(0.5), resolution=128)
+    sizes = sorted(map(len, lines))
+    assert sizes[0] == 5
+    assert sizes[1] > 100
+    (box,) = rsym.sections(rsym.box(4, 2, 1), [0.2], resolution=64)
+    np.testing.assert_allclose(sorted(box.lines[0][:-1].tolist()), [[-2, -1], [-2, 1], [2, -1], [2, 1]], atol=1e-12)
+
+
+@pytest.mark.parametrize("level", [0.25, -0.1])
+def test_at_every_level_a_minimum_has_its_corners(level):
+    lines = rsym.level_lines(rsym.rectangle(2, 2, system=rsym.R1), level, resolution=50)
+    half = np.sqrt(1 - 2 * level)  # the leaves are (1 - x**2)/2 and (1 - y**2)/2
+    np.testing.assert_allclose(np.abs(lines[0]), half, rtol=1e-12)
+    assert len(lines[0]) == 5
+    assert lines.level == level
+
+
+def test_corners_that_are_cut_off_are_counted():
+    cubed = rsym.Shape(sp.Min(1 - x, 1 + x, 1 - y, 1 + y) ** 3, (x, y), bounds=((-2, 2), (-2, 2)))
+    assert rsym.level_lines(cubed, 0.3, resolution=50).status.unresolved_corners == 4
+    assert rsym.level_lines(rsym.disc(1), 0.3, resolution=50).status.unresolved_corners == 0

@@ -78,7 +78,7 @@ def test_level_lines_of_a_text_are_closed_and_lie_on_the_level(text, letters):
     with pytest.warns(rsym.RsymWarning, match="Unresolved"):
         lines = rsym.level_lines(letters, resolution=256, bounds=box_of(letters))
     assert lines.status.unseen == len(dots)
-    assert np.abs(np.subtract(centres, lines.status.place)).max(axis=1).min() < lines.status.finer
+    assert np.abs(np.subtract(centres, lines.status.places[0])).max(axis=1).min() < lines.status.finer
     assert lines.status.open == 0
     points = np.concatenate(list(lines)).T
     distance = np.abs(numbers_of(text, points))

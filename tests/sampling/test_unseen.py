@@ -2,10 +2,12 @@
 
 import math
 
+import numpy as np
 import pytest
 
 import rsym
 from rsym import x, y
+from rsym.sampling.outlines import _without_beads
 
 OVAL = rsym.Shape(x**3 - x**2 - 384 * x - 2772 - y**2, (x, y), bounds=((-30, 40), (-60, 60)))
 
@@ -34,6 +36,18 @@ def test_a_sharp_tip_is_no_doubt():
     assert (lines.status.unseen, lines.status.unresolved_corners) == (0, 0)
 
 
+@pytest.mark.parametrize("cut", [False, True])
+def test_a_loop_that_touches_a_line_at_its_corner_is_no_bead(cut):
+    """A bead runs out along two sides of a tip and is cut off there; a loop comes back by itself."""
+    turn = np.linspace(0, np.pi, 16)[1:-1]
+    loop = np.stack([np.sin(turn), np.sin(2 * turn) / 2], axis=1)
+    sides = [loop[:5], loop[8:]] if cut else [loop, loop[:1] / 2]
+    corner, tip = np.zeros((1, 2)), np.array([[-3.0, 1.0], [0.0, 0.0], [-3.0, -1.0]])
+    bead = np.concatenate([corner, sides[0], corner, sides[1], corner])
+    marks = [np.where((line == 0).all(axis=1)[:, None], np.nan, line) for line in (tip, bead)]
+    assert len(_without_beads([tip, bead], marks, 0.1)[0]) == 2 - cut
+
+
 def test_an_oval_is_found_at_any_resolution():
     for resolution in (16, 64, 512):
         lines = lines_of(OVAL, resolution)
@@ -44,7 +58,28 @@ def test_discs_that_touch_are_told_where_they_touch():
     with pytest.warns(rsym.RsymWarning, match=r"Unresolved in \d+ cells? of .* near \(1, "):
         lines = lines_of(rsym.disc(1) | rsym.disc(1, (2, 0)), 512)
     assert lines.length == pytest.approx(4 * math.pi, rel=1e-4)
-    assert lines.status.place == pytest.approx((1, 0), abs=0.05)
+    assert lines.status.places == (pytest.approx((1, 0), abs=0.05),)
+
+
+def test_places_that_lie_apart_are_told_each():
+    pairs = rsym.disc(1) | rsym.disc(1, (2, 0)) | rsym.disc(1, (6, 0)) | rsym.disc(1, (8, 0))
+    with pytest.warns(rsym.RsymWarning, match=r"near \(.*\), \("):
+        lines = lines_of(pairs)
+    assert sorted(lines.status.places) == [pytest.approx(place, abs=0.1) for place in ((1, 0), (7, 0))]
+
+
+def test_the_end_of_a_slot_is_not_cut_off_in_a_cell():
+    slot = rsym.rectangle(1, 0.05).rotate(0.5)
+    assert lines_of(slot, 10, bounds=((-2, 2),) * 2).length == pytest.approx(2.1, rel=1e-9)
+
+
+def test_lines_do_not_run_along_a_sheet_and_back():
+    def brick(x1, x2, y1, y2):
+        return rsym.rectangle(x2 - x1, y2 - y1, ((x1 + x2) / 2, (y1 + y2) / 2))
+
+    body = (brick(2, 6, 0, 1) | brick(0, 6, 0, 4)) - brick(0, 2, 0, 4) - brick(2, 3, 0, 4)
+    with pytest.warns(rsym.RsymWarning, match="Unresolved"):
+        assert lines_of(body, 32, bounds=((-1, 7),) * 2).length == pytest.approx(14, rel=1e-9)
 
 
 def test_what_is_too_thin_for_the_finest_cells_is_told():

@@ -8,7 +8,7 @@ import sympy as sp
 from oracles.closeness import assert_close
 
 import rsym
-from rsym import x, y
+from rsym import x, y, z
 from rsym.errors import RsymError
 from rsym.sampling.windows import bounds_or_extent
 
@@ -72,6 +72,15 @@ def test_what_goes_on_without_end_is_refused_with_its_directions():
         with pytest.raises(RsymError, match=r"directions -y, \+y") as caught:
             ask(rsym.disc(1) | rsym.half_plane((1, 0), 0))
         assert caught.value.code == "unbounded"
+
+
+def test_a_section_that_ends_of_a_body_that_does_not():
+    paraboloid = rsym.Shape(z - x**2 - y**2, (x, y, z))
+    assert rsym.level_lines(paraboloid, section={z: 4}, resolution=64).area == pytest.approx(4 * math.pi, rel=2e-3)
+    areas = [one.lines.area for one in rsym.sections(paraboloid, [1, 4, -1], resolution=64)]
+    assert areas == pytest.approx([math.pi, 4 * math.pi, 0], rel=2e-3)
+    with pytest.raises(RsymError, match=r"in the directions \+z"):
+        rsym.level_lines(paraboloid, section={x: 0}, resolution=64)
 
 
 def test_letters_move_what_is_looked_at():

@@ -62,6 +62,7 @@ def test_what_is_refuted_beside_a_doubt_may_be_worse():
     ("expression", "equation"),
     [
         (y - sp.sin(x) / x, "x = 0"),
+        (y - x**2 * sp.log(abs(x)), "x = 0"),
         (y - (1 - sp.cos(x - 1)) / (x - 1) ** 3, "(x - 1)**3 = 0"),
         (1 - x**2 - y**2 + sp.sin(x * y) / (x - y / 2) / 50, "x - y/2 = 0"),
     ],

@@ -96,8 +96,8 @@ class Contacts:
             node = lower(self.model.builder, factor.as_expr())
             self._factors[node] = factor
             nodes.append((node, power))
-        made = (lower(self.model.builder, one.as_expr()) for one in (multiplier, quotient))
-        return Contact(f, g, *made, int(sp.sign(constant)), tuple(nodes))
+        made = [lower(self.model.builder, one.as_expr()) for one in (multiplier, quotient)]
+        return Contact(f, g, made[0], made[1], int(sp.sign(constant)), tuple(nodes))
 
     def multiple(self, leaf: int, factor: int) -> tuple[int, int]:
         """The power of the factor of a relation that the polynomial of a leaf has, and the node of what is left."""

@@ -1,0 +1,17 @@
+"""The opponents of labels, windows, parts without a value, steps, thin lines and lengths: other cases every day."""
+
+import os
+
+import pytest
+from opponent import lengths, parted, steps, thin, undefined, windows
+
+SEED = int(os.environ.get("RSYM_TEST_SEED", "0"))
+OPPONENTS = {one.__name__.rpartition(".")[2]: one for one in (lengths, parted, steps, thin, undefined, windows)}
+
+
+@pytest.mark.random
+@pytest.mark.parametrize("number", range(20))
+@pytest.mark.parametrize("kind", OPPONENTS)
+def test_nothing_is_silent_and_wrong(kind, number):
+    case = OPPONENTS[kind].case(1000 * SEED + number)
+    assert OPPONENTS[kind].asked(case)[1] == [], case
