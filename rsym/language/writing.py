@@ -10,7 +10,7 @@ import sympy as sp
 from sympy.logic.boolalg import BooleanAtom
 
 from rsym.analysis.contracts.leaves import names_of
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.language.functions import NODES, PIECEWISE, written_system
 from rsym.language.loading import loads
 from rsym.language.pieces import PIECES
@@ -32,6 +32,11 @@ def dumps(shape: Shape) -> str:
 
     Every operation is written as it stands; shared parts are written once and have names, those of the shape's own
     parts and definitions where they have one.
+
+    Warns
+    -----
+    RsymWarning
+        For a letter that is no fraction, as sqrt(2): the nearest float is written.
 
     Raises
     ------
@@ -55,6 +60,11 @@ def dumps(shape: Shape) -> str:
     True
     """
     require_shape(shape)
+    exact = {name: letter.default for name, letter in shape.letters.items() if isinstance(letter.default, sp.Expr)}
+    if exact:
+        named = ", ".join(f"{name} = {value}" for name, value in exact.items())
+        warn(f"a letter of a model file is a fraction: of {named} the nearest float is written")
+        shape = shape.with_letters({name: float(value) for name, value in exact.items()})
     try:
         text = "\n".join(_Writer(shape).lines()) + "\n"
         again = loads(text)

@@ -12,7 +12,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.bounds.intervals import IntervalFunction
-from rsym.logic.lifting import lifted
+from rsym.logic.lifting import FEW, lifted
 from rsym.logic.sign_form import Gate, SignForm, shape_form, sign_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
@@ -374,6 +374,12 @@ def _lowered(shape: Shape) -> Shape:
 
 @recently(16)
 def _lifted_form(shape: Shape) -> SignForm | None:
-    form = shape_form(shape)
-    made = sign_form(form.builder, lifted(form.builder, lower(form.builder, shape.expression), 0))
-    return made if len(made.leaves) > 1 else None
+    builder = shape_form(shape).builder
+    form = sign_form(builder, lower(builder, shape.expression))
+    while len(form.leaves) <= FEW:  # of a sum one side comes to the top at a time
+        leaves = [lifted(builder, leaf, 0) for leaf in form.leaves]
+        if tuple(leaves) == form.leaves:
+            break
+        made = through(form.gates, leaves, lambda gate, one, other: builder.make(gate.operation, one, other))
+        form = sign_form(builder, made[-1])
+    return form if len(form.leaves) > 1 else None

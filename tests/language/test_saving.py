@@ -294,3 +294,10 @@ def test_a_piecewise_formula_in_a_plain_model():
     assert rsym.loads('letter a = 1 in [0, inf] unit "mm"; omega = a - x').letters["a"] == Letter(
         1, minimum=0, unit="mm"
     )
+
+
+def test_a_letter_that_is_no_fraction_is_written_as_the_nearest_float_and_told():
+    a = sp.Symbol("a", real=True)
+    with pytest.warns(rsym.RsymWarning, match=r"of a = sqrt\(2\) the nearest float is written"):
+        text = rsym.dumps(rsym.disc(a, letters={a: sp.sqrt(2)}))
+    assert rsym.loads(text).letters["a"].default == float(sp.sqrt(2))

@@ -153,6 +153,12 @@ def test_at_every_level_a_minimum_has_its_corners(level):
     assert lines.level == level
 
 
+def test_sums_of_absolute_values_have_their_corners_at_other_levels():
+    diamond = rsym.Shape(1 - sp.Abs(x) - sp.Abs(y), (x, y), bounds=((-2, 2), (-2, 2)))
+    (line,) = rsym.level_lines(diamond, 0.3, resolution=50)
+    np.testing.assert_allclose(sorted(line[:-1].tolist()), [[-0.7, 0], [0, -0.7], [0, 0.7], [0.7, 0]], atol=1e-12)
+
+
 def test_corners_that_are_cut_off_are_counted():
     cubed = rsym.Shape(sp.Min(1 - x, 1 + x, 1 - y, 1 + y) ** 3, (x, y), bounds=((-2, 2), (-2, 2)))
     assert rsym.level_lines(cubed, 0.3, resolution=50).status.unresolved_corners == 4
