@@ -114,7 +114,7 @@ def root_parted(builder: Builder, number: int, walls: Collection[int]) -> Parted
     root = present[0]
     plain = {key: part for key, part in found.items() if root not in key}
     factor = {key - {root}: part for key, part in found.items() if root in key}
-    less = {frozenset(): builder.neg(roots[root])}
+    less: Expanded = {frozenset(): builder.neg(roots[root])}
     square = _times(builder, roots, factor, _times(builder, roots, factor, less))
     square = _plus(builder, _times(builder, roots, plain, plain), square)
     return Parted(*(_contracted(builder, part) for part in (plain, factor, square)))
