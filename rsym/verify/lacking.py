@@ -18,7 +18,7 @@ LOOKED_AT = 32  # boxes of those left over
 TOLD = 4  # sentences
 LONGEST = 60  # letters of a formula that stands for a name
 LONG = 50  # sides of a box: what hangs on boxes farther apart is no point
-OMEGA = "omega"
+OMEGA, LEAF = "omega", "a leaf"
 TOGETHER = "two operands of a logical operation in it vanish"
 EDGES = {
     "div": "its denominator vanishes",
@@ -93,7 +93,9 @@ def _reason(local: Local, names: Names) -> str:
     called = list(dict.fromkeys(map(names, found.leaves)))
     if len(found.leaves) > 2:
         return f"{len(found.leaves)} leaves meet, among them {' and '.join(called[:2])}"
-    both = " and ".join(called) if len(called) > 1 else f"two leaves of {called[0]}"
+    both = (
+        " and ".join(called) if len(called) > 1 else "two leaves" if called == [LEAF] else f"two leaves of {called[0]}"
+    )
     if any(related(local, found.leaves)):
         return f"{both} may touch, as their gradients may be parallel"
     return f"{both} cross, and that they do so once is not proved"
@@ -102,4 +104,4 @@ def _reason(local: Local, names: Names) -> str:
 def _formula(model: Model, leaf: int) -> str:
     """A leaf by its formula, if that is short."""
     formula = f"{polynomial_of(model, leaf) or ''}"
-    return formula if 0 < len(formula) <= LONGEST else OMEGA if leaf == model.root else "a leaf"
+    return formula if 0 < len(formula) <= LONGEST else OMEGA if leaf == model.root else LEAF
