@@ -9,6 +9,7 @@ In comes a shape or a node of a program; out go its leaves, the gates that join 
 - `poles`: leaves with poles as gates, a change of sign through infinity no zero of theirs
 - `inside`: kernels that say whether points are inside
 - `lifting`: minima and maxima inside the sums of large leaves as gates
+- `radicals`: sums of odd powers as sums of their bases, and leaves without the roots that end at walls
 - `branches`: products, quotients and choices anywhere in a leaf as gates
 - `leaf_parts`: large leaves as functions of the minima and maxima inside them
 - `faces`: the places of a leaf in the formula, by the parts around it; which are active, and what they are called

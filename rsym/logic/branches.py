@@ -18,9 +18,10 @@ from types import MappingProxyType
 
 from rsym.logic.domains import replaced
 from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
+from rsym.logic.radicals import Parted, odd_powers, root_parted
 from rsym.logic.sign_form import gate_of, stripped
 from rsym.logic.steps import chosen_gate
-from rsym.logic.stripping import even_root, sign_gate, unscaled
+from rsym.logic.stripping import constant_sign, even_root, sign_gate, unscaled
 from rsym.program.builder import Builder
 from rsym.program.program import live
 
@@ -78,6 +79,8 @@ class _Opening:
         number, sign = stripped(b, number, sign)
         if certain := self._sign(number, known):
             return b.const(sign * certain)
+        if (plain := odd_powers(b, number)) is not None:
+            return self.opened(plain.number, sign * plain.sign, known)
         operation, arguments, _ = b.nodes[number]
         if kind := gate_of(operation, sign):
             return sign_gate(self.builder, kind, *(self.opened(argument, sign, known) for argument in arguments[:2]))
@@ -89,6 +92,8 @@ class _Opening:
         choices = self._choices(number)
         if choices and self._lifts(top := lifted_whole(b, number)):
             return self.opened(top, sign, known)
+        if (parted := root_parted(b, number, self.walls)) is not None:
+            return self._without_root(parted, sign, known)
         if not choices:
             self.count += 1
             if self.count > MOST_LEAVES:
@@ -119,6 +124,17 @@ class _Opening:
                 for side in (1, -1)
             ),
         )
+
+    def _without_root(self, parted: Parted, sign: int, known: Known) -> int:
+        plain, factor, square = (
+            partial(self.opened, part, known=known) for part in (parted.plain, parted.factor, parted.square)
+        )
+        rises = constant_sign(self.builder, parted.factor) * sign
+        if rises:
+            return sign_gate(self.builder, "max" if rises > 0 else "min", plain(sign), square(-rises))
+        pairs = [(plain(sign), factor(sign)), (plain(sign), square(1)), (factor(sign), square(-1))]
+        every = [sign_gate(self.builder, "min", *pair) for pair in pairs]
+        return sign_gate(self.builder, "max", *every)
 
     def _decided(self, number: int, known: Known) -> int:
         """The node without the choices whose sides are known."""

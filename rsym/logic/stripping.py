@@ -227,7 +227,7 @@ def of_size(builder: Builder, part: Signed) -> Signed:
     >>> of_size(b, Signed(b.sub(tiny, b.mul(tiny, x)))) == Signed(b.sub(x, b.const(1)), -1)
     True
     """
-    sum_ = _terms(builder, part.number) if builder.nodes[part.number].operation == "add" else None
+    sum_ = sum_terms(builder, part.number) if builder.nodes[part.number].operation == "add" else None
     if sum_ is None or 1 / LARGEST < abs(sum_[0][min(sum_[0])]) < LARGEST:
         return part
     made, sign = _sum(builder, part.number)
@@ -236,7 +236,7 @@ def of_size(builder: Builder, part: Signed) -> Signed:
 
 def _sum(builder: Builder, number: int) -> tuple[int, int]:
     """A sum divided by the coefficient of its first term, and the sign of that: x - 1/2 of 1 - 2*x."""
-    found = _terms(builder, number)
+    found = sum_terms(builder, number)
     if found is None:
         return number, 1
     terms, constant = found
@@ -247,7 +247,7 @@ def _sum(builder: Builder, number: int) -> tuple[int, int]:
     return made, 1 if leading > 0 else -1
 
 
-def _terms(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fraction] | None:
+def sum_terms(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fraction] | None:
     """The coefficients of the terms of a sum, and its constant.
 
     Terms of one node are added up; None where they cancel, and where there are many: the sum stays as it is written.

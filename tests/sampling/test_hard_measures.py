@@ -81,6 +81,38 @@ def test_two_balls_by_a_minimum_whose_edge_runs_along_sides_of_cells():
     assert holds(found.surface, 3 * math.pi, 1e-9)
 
 
+def test_a_sum_of_odd_powers_is_no_boundary_without_slopes():
+    disc = DISC**3 + y**3 / 8  # in sign DISC + y/2
+    found = rsym.measure(rsym.Shape(disc, (x, y), bounds=WINDOW[:2]))
+    assert holds(found.area, math.pi * 17 / 16, 1e-13)
+    assert holds(found.length, 2 * math.pi * math.sqrt(17 / 16), 1e-13)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.filterwarnings("ignore:the shape's own bounds", "ignore:the shape ends where")
+def test_a_parabola_by_roots_touches_the_ends_of_their_domains(sign):
+    found = rsym.measure(rsym.Shape(sign * (1 - sp.sqrt(x) - sp.sqrt(y)), (x, y), bounds=((-1, 2),) * 2))
+    arc = 1 + math.log(1 + math.sqrt(2)) / math.sqrt(2)
+    assert holds(found.area, 1 / 6 if sign > 0 else 4 - 1 / 6, 1e-12)
+    assert holds(found.length, arc if sign > 0 else arc + 4, 1e-12)
+
+
+def test_of_a_window_without_the_shape_all_is_0():
+    found = rsym.measure(rsym.Shape(DISC, (x, y)), bounds=((5, 6), (5, 6)))
+    assert (found.area, found.length) == (found.area.error, found.length.error) == (0, 0)
+    assert str(found).startswith("Area 0, length 0, ")
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:an integral is known to a relative error of about 1e-06")
+def test_the_heart_has_a_volume_and_a_surface():
+    round_ = x**2 + sp.Rational(9, 4) * y**2 + z**2 - 1
+    found = rsym.measure(rsym.Shape(x**2 * z**3 + sp.Rational(9, 80) * y**2 * z**3 - round_**3, (x, y, z)))
+    # The integral of sqrt(c**2 - 4*(x**2 + 9/4*y**2 - 1)), c the cube root of x**2 + 9/80*y**2, over where it is real.
+    assert holds(found.volume, 3.345101518288572687)
+    assert found.surface.error < 2e-6 * found.surface
+
+
 @pytest.mark.slow
 def test_three_edges_that_meet_and_a_tip_are_measured():
     place = 1 / sp.sqrt(8)

@@ -272,6 +272,7 @@ class Limits:
     uneven: float
     most: int
     steepest: float = np.inf
+    turning: float = np.inf
 
 
 def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: Grading | None = None) -> Divided:
@@ -299,7 +300,7 @@ def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: 
         pieces = pieces.chosen((verdict == OPEN) | ((verdict == INSIDE) & towards), kept)
         towards = towards[(verdict == OPEN) | ((verdict == INSIDE) & towards)]
         axis, proved = np.empty(len(pieces), np.int64), np.empty(len(pieces), bool)
-        choose_axes(pieces.start, pieces.gradient, limits.uneven, limits.steepest, axis, proved)
+        choose_axes(pieces.start, pieces.gradient, limits.uneven, limits.steepest, limits.turning, axis, proved)
         pieces = replace(pieces, axis=axis, proved=proved)
         going = ~proved & ~towards
         crowd = np.bincount(pieces.owner[going], minlength=1) if going.any() else np.zeros(1, np.int64)
@@ -335,7 +336,9 @@ def close(pieces: CutPieces, near: Floats) -> Flags:
 
 
 @loop
-def choose_axes(start: Any, gradient: Any, uneven: float, steepest: float, axis: Any, proved: Any) -> None:
+def choose_axes(
+    start: Any, gradient: Any, uneven: float, steepest: float, turning: float, axis: Any, proved: Any
+) -> None:
     """The axis that serves best as the height of each piece, and whether it does."""
     dimension = gradient.shape[0]
     for piece in range(len(axis)):
@@ -347,12 +350,15 @@ def choose_axes(start: Any, gradient: Any, uneven: float, steepest: float, axis:
                 if low == 0 and high == 0:
                     score = min(score, FLAT_SCORE)
                     continue
-                least, most, across = max(low, -high, 0.0), max(-low, high), 0.0
+                least, most, across, turns = max(low, -high, 0.0), max(-low, high), 0.0, False
                 for j in range(dimension):
                     if j != k:
-                        across = max(across, max(-gradient[j, 0, pair], gradient[j, 1, pair]))
+                        one, other = gradient[j, 0, pair], gradient[j, 1, pair]
+                        across = max(across, max(-one, other))
+                        turns = turns or not other - one <= turning * (STEEP * least + max(one, -other, 0.0))
                 gentle = STEEP * least >= across and most <= uneven * least
-                if not (least > 0 and (gentle or (most <= EVEN * least and steepest * least >= across))):
+                even = most <= EVEN * least and steepest * least >= across and not turns
+                if not (least > 0 and (gentle or even)):
                     fits = False
                 ratio = least / max(most, across)
                 score = min(score, ratio) if ratio >= 0 else 0.0

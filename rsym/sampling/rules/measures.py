@@ -144,7 +144,7 @@ def _told(value: Integral) -> str:
 
 def _told_size(value: Integral, whole: Integral) -> str:
     """A size, which is not negative: unknown where it is off by more than it is, but for rounding."""
-    return "unknown" if value.error >= max(float(value), NOTHING * whole) else _told(value)
+    return "unknown" if 0 < value.error >= max(float(value), NOTHING * whole) else _told(value)
 
 
 class _MoreNames(Exception):

@@ -22,8 +22,9 @@ from rsym.sampling.rules.space import space_rule
 SAMPLED_AT_ONCE = 512  # of those of which nothing is proved
 PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
 # Sides that run along an axis but for 1e-4 lose up to 4e-12 of their length where leaves may be 3e4 times as steep, at
-# 1e3 nothing; next to cusps 2e-6 of a length is left open then, and 7e-5 at 1e3.
-LIMITS = {2: Limits(6, 44, 2.0, 256, 3e4), 3: Limits(5, 24, 3.0, 64)}
+# 1e3 nothing; next to cusps 2e-6 of a length is left open then, and 7e-5 at 1e3. In space the cells along a spike grow
+# in number with the cube root of their fineness: of 64 in a cell 2e-6 of its surface is left open, of 128 2e-7.
+LIMITS = {2: Limits(6, 44, 2.0, 256, 3e4), 3: Limits(5, 24, 3.0, 128, turning=2.0)}
 
 
 @dataclass(frozen=True)

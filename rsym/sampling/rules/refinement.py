@@ -143,6 +143,7 @@ def refined(
     def summed() -> tuple[Sums, int]:
         grid = shape.grid(count, aside=dimension == 3)
         total, made = quantities(nothing), 0
+        total = replace(total, rounding=np.zeros_like(total.rounding))  # of what no cell may meet
         number = points * (highest * count / spacing) ** dimension / AT_ONCE
         for portion in shape.portions(grid, highest, towards, threads, number, until):
             total += quantities(portion)
