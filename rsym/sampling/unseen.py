@@ -3,8 +3,8 @@
 Intervals exclude most cells: the form has one sign all over them. The others are looked at on a finer lattice.
 A cell is seen if either side has one piece in it, no hole, and a sample of the lattice in its own corners or, where a
 line bulges through a side, so have it and the neighbour that the line comes from together; and if a line goes nowhere
-farther than a part of the cell from its chord there. Where cells are not seen,
-they and those around them are cut in smaller ones, and these again, up to a limit; lines run through all sizes of them.
+farther than a part of the cell from its chord there, but in the smallest. Where cells are not seen, they and those
+around them are cut in smaller ones, and these again, up to a limit; lines run through all sizes of them.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ PARTS = 8  # of the side of a cell that is looked at
 BULGE = 1.5  # of these a line may go beyond its chord in a cell, or beyond the cell
 DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
 TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
+FEW, AROUND_ENDS = 64, 3  # so many of the smallest cells, with so many on each side, are looked at for the end of a tip
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
 WORK = 3e7  # boxes of cells, each times the operations of the form, at a time: a second or two
 UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides are whole
@@ -134,7 +135,8 @@ def _descended(
             undecided = _holds(leaves, finer, cells.first, 1)
             if np.count_nonzero(undecided) > MOST:
                 break
-            looked, found = _look(leaves, finer, cells.take(undecided), forced[depth] if depth < DEPTH else cut[:0])
+            more = forced[depth] if depth < DEPTH else None
+            looked, found = _look(leaves, finer, cells.take(undecided), more)
         except _TooMuch:
             break
         size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS**depth
@@ -240,11 +242,15 @@ def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: fl
     return np.asarray(leaves.signs_over(lattice.points(first), lattice.points(first + size)) == 0)
 
 
-def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints) -> tuple[_Cells, _Found]:
-    """What cells hold between their corners: those that were looked at, and what was found in them."""
+def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints | None) -> tuple[_Cells, _Found]:
+    """What cells hold between their corners: those that were looked at, and what was found in them.
+
+    None is forced of the smallest cells: of these it does not matter how far from its chord a line goes.
+    """
     wild = _wild(leaves, lattice, every)
-    must = numbers_of(every.first, forced)
-    wild[must[must >= 0]] = True
+    if forced is not None:
+        must = numbers_of(every.first, forced)
+        wild[must[must >= 0]] = True
     while True:
         cells, found = _look_at(leaves, lattice, every, wild, forced)
         # A side to a cell that is not to be cut is plain.
@@ -255,7 +261,9 @@ def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints) ->
         wild[missed[missed >= 0]] = True
 
 
-def _look_at(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, forced: Ints) -> tuple[_Cells, _Found]:
+def _look_at(
+    leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, forced: Ints | None
+) -> tuple[_Cells, _Found]:
     """The same for some wild cells, and those around."""
     near = _grown(_grown(wild, every.first), every.first)
     cells, wild = every.take(near), wild[near]
@@ -264,12 +272,19 @@ def _look_at(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, 
     values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
     known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
-    hidden = _hidden(high, cells) | beyond_chords(high, BULGE) | _doubtful(leaves, lattice, cells, high, wild)
-    unseen = np.asarray(hidden & known & wild)
+    beyond = BULGE if forced is not None else PARTS
+    doubtful = _doubtful(leaves, lattice, cells, high, wild)
+    unseen = np.asarray((_hidden(high, cells, beyond) | beyond_chords(high, beyond) | doubtful) & known & wild)
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
+    if forced is None:
+        ends = unseen.copy()
+        ends[unseen] = _ends(leaves, lattice, cells.first[unseen])
+        # The very point of a tip is where no sample is, beside the last that shows it.
+        unseen &= ~(ends & _grown(ends & ~doubtful, cells.first))
     cut = np.asarray(_grown(unseen, cells.first))
-    must = numbers_of(cells.first, forced)
-    cut[must[must >= 0]] = True
+    if forced is not None:
+        must = numbers_of(cells.first, forced)
+        cut[must[must >= 0]] = True
     cut &= known
     ends = np.stack([high[:, 0], high[:, -1], high[:, :, 0], high[:, :, -1]], axis=1)
     # Across a side to a larger cell a line goes once, where its corners differ.
@@ -315,6 +330,17 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
     return tips
 
 
+def _ends(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
+    """Of which cells, if they are few, either side is one piece in those around: they hold the end of a tip."""
+    if not 0 < len(first) <= FEW:
+        return np.zeros(len(first), np.bool_)
+    count = (2 * AROUND_ENDS + 1) * PARTS + 1
+    inside = np.indices((count, count)).reshape(2, -1).T / PARTS - AROUND_ENDS
+    points = lattice.points((first[:, None] + inside).reshape(-1, 2))
+    high = np.asarray(leaves.active(points)[0].reshape(-1, count, count) >= 0)
+    return np.asarray((pieces(high) == 1) & (pieces(~high) == 1))
+
+
 def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags, wild: Flags) -> Flags:
     """In which wild cells a part may hold a line, and neither it nor those around it do as the samples have it."""
     crossed = np.zeros((len(high), PARTS + 2, PARTS + 2), np.bool_)
@@ -354,8 +380,8 @@ def _grown(some: Flags, cells: Ints) -> Flags:
     return grown
 
 
-def _hidden(high: Flags, cells: _Cells) -> Flags:
-    """Which cells hold more than their corners say."""
+def _hidden(high: Flags, cells: _Cells, beyond: float) -> Flags:
+    """Which cells hold more than their corners say, or a line from another that goes so many parts into them."""
     corners = high[:, [0, 0, -1, -1], [0, -1, 0, -1]]
     crossed = ~(corners == corners[:, :1]).all(axis=1)
     above, below = pieces(high), pieces(~high)
@@ -369,7 +395,8 @@ def _hidden(high: Flags, cells: _Cells) -> Flags:
     hidden |= bulge.any(axis=(1, 2))
     for axis in (1, 2):
         for end in (0, -1):
-            inner = np.delete(bulge, np.arange(int(BULGE) + 1) if end == 0 else -1 - np.arange(int(BULGE) + 1), axis)
+            deep = np.arange(int(beyond) + 1)
+            inner = np.delete(bulge, deep if end == 0 else -1 - deep, axis)
             own = np.flatnonzero(simple & bulge.take(end, axis).any(axis=1) & ~inner.any(axis=(1, 2)))
             beside = cells.first[own] + (1 if end else -1) * (np.arange(2) == axis - 1)
             other = numbers_of(cells.first, beside)

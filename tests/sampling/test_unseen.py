@@ -36,6 +36,11 @@ def test_a_sharp_tip_is_no_doubt():
     assert (lines.status.unseen, lines.status.unresolved_corners) == (0, 0)
 
 
+@pytest.mark.parametrize("resolution", [16, 200, 256])
+def test_a_tip_within_one_leaf_is_no_doubt(resolution):
+    assert lines_of(rsym.paper.skeleton_body(), resolution).status.unseen == 0
+
+
 @pytest.mark.parametrize("cut", [False, True])
 def test_a_loop_that_touches_a_line_at_its_corner_is_no_bead(cut):
     """A bead runs out along two sides of a tip and is cut off there; a loop comes back by itself."""

@@ -92,7 +92,7 @@ def fairness(
     >>> from rsym import x, y
     >>> report = fairness(rsym.Shape(1 - x**2 / 4 - y**2, (x, y), bounds=((-3, 3), (-2, 2))))
     >>> [(one.kind, one.curvature) for one in report.extrema if one.point[0] >= 0 and one.point[1] >= 0]
-    [('maximum', 2.0), ('minimum', 0.25)]
+    [('minimum', 0.25), ('maximum', 2.0)]
     >>> len(report.extrema), report.complete, 2 <= report.curvatures[0].greatest.bound < 2.03
     (4, True, True)
     """

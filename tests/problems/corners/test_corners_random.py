@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 import rsym
 from rsym.problems.corners.corner_functions import corner_functions
 from rsym.problems.corners.corners import corners
+from rsym.sampling.level_lines import dense_outline
 from rsym.sampling.plane_leaves import leaves_of
 
 BOX = ((-3, 3), (-3, 3))
@@ -79,7 +80,7 @@ def test_functions_of_random_shapes_vanish_on_all_of_the_boundary(seed):
         other = disc if generator.random() < 0.6 else convex(generator)[0]
         shape = shape | other if generator.random() < 0.5 else shape - other
     found = corner_functions(shape, corners(shape, bounds=BOX))
-    points = np.concatenate([np.empty((0, 2)), *rsym.level_lines(shape, bounds=BOX, resolution=200)])
+    points = np.concatenate([np.empty((0, 2)), *dense_outline(shape, 200, BOX)])
     leaves = leaves_of(shape.replace(bounds=BOX), (0, 1), {})
     points = leaves.slide(points, leaves.distance(points)[1])
     away = [np.hypot(*(points - corner.point).T) > 1e-6 for corner in found.corners]
