@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError
 from rsym.model.shape import Bounds, Shape
 
@@ -116,6 +116,20 @@ def numbers_of(cells: Ints, wanted: Ints) -> Ints:
     order = np.argsort(key)
     place = np.minimum(np.searchsorted(key[order], asked), len(key) - 1)
     return np.asarray(np.where(key[order[place]] == asked, order[place], -1))
+
+
+def grown(some: Flags, cells: Ints) -> Flags:
+    """Some of the cells (n, 2), and those around them.
+
+    Examples
+    --------
+    >>> grown(np.array([True, False, False]), np.array([(0, 1), (1, 2), (1, 3)])).tolist()
+    [True, True, False]
+    """
+    found = some.copy()
+    near = numbers_of(cells, (cells[some][:, None] + AROUND).reshape(-1, 2))
+    found[near[near >= 0]] = True
+    return found
 
 
 def heaps(index: Floats) -> Floats:

@@ -16,7 +16,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.isolines import beyond_chords, index_lines, lines_through, pieces
-from rsym.sampling.lattice import AROUND, Lattice, heaps, numbers_of
+from rsym.sampling.lattice import AROUND, Lattice, grown, heaps, numbers_of
 from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
 PARTS = 8  # of the side of a cell that is looked at
@@ -265,7 +265,7 @@ def _look_at(
     leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, forced: Ints | None
 ) -> tuple[_Cells, _Found]:
     """The same for some wild cells, and those around."""
-    near = _grown(_grown(wild, every.first), every.first)
+    near = grown(grown(wild, every.first), every.first)
     cells, wild = every.take(near), wild[near]
     inside = np.indices((PARTS + 1, PARTS + 1)).reshape(2, -1).T / PARTS
     points = lattice.points((cells.first[:, None] + inside).reshape(-1, 2))
@@ -280,8 +280,8 @@ def _look_at(
         ends = unseen.copy()
         ends[unseen] = _ends(leaves, lattice, cells.first[unseen])
         # The very point of a tip is where no sample is, beside the last that shows it.
-        unseen &= ~(ends & _grown(ends & ~doubtful, cells.first))
-    cut = np.asarray(_grown(unseen, cells.first))
+        unseen &= ~(ends & grown(ends & ~doubtful, cells.first))
+    cut = np.asarray(grown(unseen, cells.first))
     if forced is not None:
         must = numbers_of(cells.first, forced)
         cut[must[must >= 0]] = True
@@ -370,14 +370,6 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
 def _beside(cells: Ints) -> Ints:
     """Which cells (k, 4) lie across the sides of each, -1 for none."""
     return numbers_of(cells, (cells[:, None] + _BEYOND).reshape(-1, 2)).reshape(-1, 4)
-
-
-def _grown(some: Flags, cells: Ints) -> Flags:
-    """Some of the cells, and those around them."""
-    grown = some.copy()
-    near = numbers_of(cells, (cells[some][:, None] + AROUND).reshape(-1, 2))
-    grown[near[near >= 0]] = True
-    return grown
 
 
 def _hidden(high: Flags, cells: _Cells, beyond: float) -> Flags:
