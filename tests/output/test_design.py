@@ -102,7 +102,7 @@ def test_the_command_serves_until_it_is_interrupted():
             with urllib.request.urlopen(address, timeout=60) as reply:
                 assert "<title>solids - rsym</title>" in reply.read().decode()
             process.send_signal(signal.SIGINT)
-            assert process.wait(20) == 0
+            assert process.wait(60) == 0
         finally:
             process.kill()  # else a run that was itself told to ignore interrupts would wait for ever
 
