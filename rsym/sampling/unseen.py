@@ -354,8 +354,8 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
     while size > 1:
         size //= 2
         own, rest = np.repeat(own, 4), (rest[:, None] + size * _CORNERS).reshape(-1, 2)
-        blocks = (~near).reshape(len(high), PARTS // size, size, PARTS // size, size).any(axis=(2, 4))
-        some = blocks[own, rest[:, 0] // size, rest[:, 1] // size]
+        blocks = (~near).reshape(len(high), PARTS // size, size, PARTS // size, size)
+        some = np.asarray(blocks.any(axis=(2, 4)))[own, rest[:, 0] // size, rest[:, 1] // size]
         own, rest = own[some], rest[some]
         some = _holds(leaves, lattice, cells.first[own] + rest / PARTS, size / PARTS)
         own, rest = own[some], rest[some]
