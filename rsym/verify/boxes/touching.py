@@ -189,11 +189,13 @@ def _meeting(
     builder, contact = local.model.builder, relation.contact
     ways = dict(zip((contact.first, contact.second), relation.ways, strict=True))
     signs = {ways[leaf] * sign for leaf, sign in chosen}
-    forms = contacts.form(contact.first), contacts.form(contact.second)
-    if len(signs) != 1 or forms[0] is None or forms[1] is None:
+    first, second = contacts.form(contact.first), contacts.form(contact.second)
+    if len(signs) != 1 or first is None or second is None:
         return None
-    factors = {contact.first: contact.quotient, contact.second: contact.multiplier}
-    functions = {leaf: builder.mul(factors[leaf], form[1]) for leaf, form in zip(factors, forms, strict=True)}
+    functions = {
+        contact.first: builder.mul(contact.quotient, first[1]),
+        contact.second: builder.mul(contact.multiplier, second[1]),
+    }
     contacts.leaves |= {node: leaf for leaf, node in functions.items()}
     (sign,) = signs
     nodes = []
