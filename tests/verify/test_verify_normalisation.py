@@ -12,6 +12,7 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import RsymError, Shape, x, y, z
 from rsym.bounds.enclosures import ranges_of
+from rsym.sampling.level_lines import dense_outline
 from rsym.verify.boxes.local import Model
 from rsym.verify.normalisation.cover import Enclosure
 from rsym.verify.normalisation.derivatives import NormalDerivatives
@@ -191,7 +192,7 @@ def test_bounds_on_boxes_hold_at_points_of_the_boundary(omega):
     shape = Shape(omega, (x, y), bounds=BOX)
     derivatives = NormalDerivatives(Model(shape, ranges_of(shape.letters, None)), 2)
     generator = np.random.default_rng(8)
-    (line, *_) = rsym.level_lines(shape, resolution=40)
+    (line, *_) = dense_outline(shape, 40)
     middles = line[generator.integers(0, len(line), 100)] + generator.uniform(-0.01, 0.01, (100, 2))
     sizes = generator.uniform(0.001, 0.05, (100, 2))
     boxes = np.stack([middles - sizes, middles + sizes], axis=2)
