@@ -13,7 +13,7 @@ min(max(u, v), 0) with u = |x| - a and v = |y| - b, comes out as four straight l
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from functools import partial
+from functools import partial, reduce
 from types import MappingProxyType
 
 from rsym.logic.domains import replaced
@@ -133,8 +133,8 @@ class _Opening:
         if rises:
             return sign_gate(self.builder, "max" if rises > 0 else "min", plain(sign), square(-rises))
         pairs = [(plain(sign), factor(sign)), (plain(sign), square(1)), (factor(sign), square(-1))]
-        every = [sign_gate(self.builder, "min", *pair) for pair in pairs]
-        return sign_gate(self.builder, "max", *every)
+        every = (sign_gate(self.builder, "min", *pair) for pair in pairs)
+        return reduce(partial(sign_gate, self.builder, "max"), every)
 
     def _decided(self, number: int, known: Known) -> int:
         """The node without the choices whose sides are known."""

@@ -113,6 +113,12 @@ def test_the_heart_has_a_volume_and_a_surface():
     assert found.surface.error < 2e-6 * found.surface
 
 
+@pytest.mark.filterwarnings("ignore::rsym.RsymWarning")  # the bounds cut it, and it ends where the root does
+def test_a_root_whose_factor_changes_its_sign_is_measured():
+    found = rsym.measure(rsym.Shape(sp.Rational(1, 4) + x * sp.sqrt(y), (x, y), bounds=((-1, 1),) * 2))
+    assert holds(found.area, 23 / 16, 1e-12)
+
+
 @pytest.mark.slow
 def test_three_edges_that_meet_and_a_tip_are_measured():
     place = 1 / sp.sqrt(8)
