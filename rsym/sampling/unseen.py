@@ -135,8 +135,8 @@ def _descended(
             undecided = _holds(leaves, finer, cells.first, 1)
             if np.count_nonzero(undecided) > MOST:
                 break
-            more = forced[depth] if depth < DEPTH else None
-            looked, found = _look(leaves, finer, cells.take(undecided), more)
+            beyond, more = (BULGE, forced[depth]) if depth < DEPTH else (PARTS, cut[:0])
+            looked, found = _look(leaves, finer, cells.take(undecided), more, beyond)
         except _TooMuch:
             break
         size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS**depth
@@ -242,17 +242,18 @@ def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: fl
     return np.asarray(leaves.signs_over(lattice.points(first), lattice.points(first + size)) == 0)
 
 
-def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints | None) -> tuple[_Cells, _Found]:
+def _look(
+    leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints, beyond: float = BULGE
+) -> tuple[_Cells, _Found]:
     """What cells hold between their corners: those that were looked at, and what was found in them.
 
-    None is forced of the smallest cells: of these it does not matter how far from its chord a line goes.
+    Of the smallest it does not matter how far `beyond` its chord a line goes: it may so by all their parts.
     """
     wild = _wild(leaves, lattice, every)
-    if forced is not None:
-        must = numbers_of(every.first, forced)
-        wild[must[must >= 0]] = True
+    must = numbers_of(every.first, forced)
+    wild[must[must >= 0]] = True
     while True:
-        cells, found = _look_at(leaves, lattice, every, wild, forced)
+        cells, found = _look_at(leaves, lattice, every, wild, forced, beyond)
         # A side to a cell that is not to be cut is plain.
         beside = (cells.first[:, None] + _BEYOND)[found.cut[:, None] & ~found.plain]
         missed = numbers_of(every.first, beside[numbers_of(cells.first, beside) < 0])
@@ -262,7 +263,7 @@ def _look(leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints | N
 
 
 def _look_at(
-    leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, forced: Ints | None
+    leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, forced: Ints, beyond: float
 ) -> tuple[_Cells, _Found]:
     """The same for some wild cells, and those around."""
     near = grown(grown(wild, every.first), every.first)
@@ -272,19 +273,17 @@ def _look_at(
     values = leaves.active(points)[0].reshape(-1, PARTS + 1, PARTS + 1)
     known = np.asarray(~np.isnan(values).any(axis=(1, 2)))
     high = np.asarray(values >= 0)
-    beyond = BULGE if forced is not None else PARTS
     doubtful = _doubtful(leaves, lattice, cells, high, wild)
     unseen = np.asarray((_hidden(high, cells, beyond) | beyond_chords(high, beyond) | doubtful) & known & wild)
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
-    if forced is None:
-        ends = unseen.copy()
-        ends[unseen] = _ends(leaves, lattice, cells.first[unseen])
+    if beyond >= PARTS:
+        tips = unseen.copy()
+        tips[unseen] = _ends(leaves, lattice, cells.first[unseen])
         # The very point of a tip is where no sample is, beside the last that shows it.
-        unseen &= ~(ends & grown(ends & ~doubtful, cells.first))
+        unseen &= ~(tips & grown(tips & ~doubtful, cells.first))
     cut = np.asarray(grown(unseen, cells.first))
-    if forced is not None:
-        must = numbers_of(cells.first, forced)
-        cut[must[must >= 0]] = True
+    must = numbers_of(cells.first, forced)
+    cut[must[must >= 0]] = True
     cut &= known
     ends = np.stack([high[:, 0], high[:, -1], high[:, :, 0], high[:, :, -1]], axis=1)
     # Across a side to a larger cell a line goes once, where its corners differ.
