@@ -13,10 +13,9 @@ from rsym.verify.boxes.local import PRECISION, Box, Local, Model
 from rsym.verify.boxes.polynomials import polynomial_of
 from rsym.verify.boxes.sheets import sheets
 from rsym.verify.boxes.touching import related
+from rsym.verify.holes import LONGEST, some_of
 
-LOOKED_AT = 32  # boxes of those left over
 TOLD = 4  # sentences
-LONGEST = 60  # letters of a formula that stands for a name
 LONG = 50  # sides of a box: what hangs on boxes farther apart is no point
 OMEGA, LEAF = "omega", "a leaf"
 TOGETHER = "two operands of a logical operation in it vanish"
@@ -50,11 +49,10 @@ def lacking(model: Model, boxes: Sequence[Box], names: Names | None = None) -> t
     'near (0, 0.9): -x**2 - y**2 + 1 and a leaf may touch, as their gradients may be parallel'
     """
     found: dict[str, list[Box]] = {}
-    step, size = max(1, len(boxes) // LOOKED_AT), model.dimension
     with ctx.workprec(PRECISION):
-        for box in boxes[::step]:
+        for box in some_of(boxes):
             reason = _reason(model.over(box), names or (lambda leaf: _formula(model, leaf)))
-            found.setdefault(reason, []).append(box[:size])
+            found.setdefault(reason, []).append(box[: model.dimension])
     told = sorted(found.items(), key=lambda item: -len(item[1]))[:TOLD]
     return tuple((f"{_place(own)}: {reason}", False) for reason, own in told)
 
