@@ -236,15 +236,15 @@ def _one_search(
     data: _Data, used: Flags, ranges: tuple[Floats, Floats], last: _Search, loss: str, scale: float
 ) -> _Search:
     """Least squares from where the last search ended; a point that loses its distance on the way pulls no more."""
-    known: dict[bytes, tuple[Floats, Floats]] = {}
-    begun, _ = data.weighted(last.values, used)
+    begun = data.weighted(last.values, used)
+    known = {last.values.tobytes(): begun}
 
     def both(values: Floats) -> tuple[Floats, Floats]:
         key = values.tobytes()  # the solver asks for the residuals and then, at the same place, for the derivatives
         if key not in known:
             known.clear()
             residuals, slopes = data.weighted(values, used)
-            known[key] = np.where(np.isfinite(residuals), residuals, begun), slopes
+            known[key] = np.where(np.isfinite(residuals), residuals, begun[0]), slopes
         return known[key]
 
     found = least_squares(
