@@ -211,7 +211,7 @@ def test_a_fillet_that_moves_no_shared_face_is_silent(other):
 
 
 def test_the_fillet_of_shapes_has_its_radius():
-    """Between sides of rectangles and beside a bore, whose leaves are parabolas; .516 to .528 for .5 if they are kept."""
+    """Between sides of rectangles and beside a bore, whose leaves are parabolas: .516 to .528 for .5 with these."""
     cross = rsym.fillet(rsym.rectangle(6, 2).named("beam"), rsym.rectangle(2, 6), 0.5)
     angles = np.linspace(0.1, np.pi / 2 - 0.1, 40)
     values = rsym.compile(cross)(1.5 - 0.5 * np.cos(angles), 1.5 - 0.5 * np.sin(angles))["value"]
