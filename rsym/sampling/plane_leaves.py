@@ -23,6 +23,7 @@ from rsym.program.lowering import lower
 from rsym.sampling.contours import ON_LEVEL
 from rsym.sampling.form_signs import Signs, joined_signs, signs_between
 from rsym.sampling.plane import large_form
+from rsym.sampling.roots import repeated
 
 NEWTON_STEPS = 12
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
@@ -206,7 +207,7 @@ class PlaneLeaves:
             ((f, p),) = self.of(points, leaf[which])
             return np.asarray(points - (f / np.einsum("ij,ij->i", p, p))[:, None] * p)
 
-        return _repeated(step, points)
+        return repeated(step, points, NEWTON_STEPS)
 
     def common(self, points: Floats, one: Ints, other: Ints) -> Floats:
         """Newton from points to the common zeros of two leaves each; NaN or far away where there is none."""
@@ -219,7 +220,7 @@ class PlaneLeaves:
             across = np.stack([f * v - g * q, g * p - f * u], axis=1)
             return np.asarray(points - across / (p * v - q * u)[:, None])
 
-        return _repeated(step, points)
+        return repeated(step, points, NEWTON_STEPS)
 
     @cached_property
     def _zeros(self) -> Ints:
@@ -308,19 +309,6 @@ def _all_leaves(form: SignForm, shape: Shape, free: tuple[int, int]) -> Kernel:
         outputs[f"leaf_{k}"] = leaf
         outputs.update({f"leaf_{k}_{i}": derivative(builder, leaf, builder.coordinates[i]) for i in free})
     return compile_program(builder.program(outputs), (), shape)
-
-
-def _repeated(step: Callable[[Floats, Ints], Floats], points: Floats) -> Floats:
-    """Points after so many steps of Newton's method; one that stays where it is, or is nowhere, does so for good."""
-    points, moving = points.copy(), np.arange(len(points))
-    for _ in range(NEWTON_STEPS):
-        before = points[moving]
-        with np.errstate(all="ignore"):
-            points[moving] = after = step(before, moving)
-            moving = moving[((after != before) & (after == after)).any(axis=1)]
-        if not len(moving):
-            break
-    return points
 
 
 def _products(one: Floats, other: Floats) -> tuple[Floats, Floats]:
