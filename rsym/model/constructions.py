@@ -12,7 +12,7 @@ from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.bounding import BoundingBox, without
 from rsym.model.equation import substituted
 from rsym.model.letters import Letters
-from rsym.model.parallels import Parallel, lengths
+from rsym.model.parallels import Parallel, in_lengths, lengths
 from rsym.model.primitives.formulas import ROOM, between
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
@@ -262,9 +262,9 @@ def _joined(
     box: BoundingBox | None,
 ) -> Shape:
     """The conjunction with an expression in more coordinates; a system that rounds edges is given lengths."""
-    inside = shape.expression if system.keeps_sets else lengths(shape.expression, shape.coordinates, shape.letters)
+    shape = shape if system.keeps_sets else in_lengths(shape)
     return Shape(
-        system.conjunction(inside, other),
+        system.conjunction(shape.expression, other),
         (*shape.coordinates, *more),
         letters=shape.letters.merge(letters),
         box=box,
