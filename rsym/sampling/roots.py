@@ -62,7 +62,7 @@ def _interpolated(a: Floats, b: Floats, c: Floats, fa: Floats, fb: Floats, fc: F
 
 
 def repeated(step: Callable[[Floats, Ints], Floats], points: Floats, steps: int) -> Floats:
-    """Points (n, k) after so many steps of Newton's method; one that stays where it is, or is nowhere, does so for good.
+    """Points (n, k) after so many steps of Newton's method; one that stays, or is nowhere, does so for good.
 
     ``step(points, which)`` moves the points numbered `which`.
 
