@@ -255,14 +255,14 @@ def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> 
     return (
         _near(joints, corner, cell)
         & leaves.meet(corner, joints.one, joints.other, cell)
-        & _bounds(leaves, joints.before, corner, joints.one, cell)
-        & _bounds(leaves, corner, joints.after, joints.other, cell)
+        & _bounds(leaves, [joints.before, corner, joints.after], [joints.one, joints.other], cell)
     )
 
 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
-    first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
+    ones, others = np.concatenate([joints.one, third]), np.concatenate([third, joints.other])
+    first, second = np.split(leaves.common(np.tile(middle, (2, 1)), ones, others), 2)
     # Leaves that coincide have a corner with a third one anywhere, and a line would run there and back.
     holds = _near(joints, first, cell) & _near(joints, second, cell)
     holds &= np.linalg.norm(first - second, axis=1) > ON_LEVEL * cell
@@ -271,9 +271,7 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     holds[near] = (
         leaves.meet(one, some.one, third, cell)
         & leaves.meet(two, third, some.other, cell)
-        & _bounds(leaves, some.before, one, some.one, cell)
-        & _bounds(leaves, one, two, third, cell)
-        & _bounds(leaves, two, some.after, some.other, cell)
+        & _bounds(leaves, [some.before, one, two, some.after], [some.one, third, some.other], cell)
     )
     return np.stack([first, second], axis=1), holds
 
@@ -283,13 +281,12 @@ def _near(joints: Joints, points: Floats, cell: float) -> Flags:
     return near
 
 
-def _bounds(leaves: PlaneLeaves, start: Floats, end: Floats, leaf: Ints, cell: float) -> Flags:
-    """Whether the leaf is the boundary from start to end: at the end and at two places between."""
-    holds = np.ones(len(start), np.bool_)
-    for share in (1 / 3, 2 / 3, 1.0):
-        distance, _ = leaves.distance(leaves.slide(start + share * (end - start), leaf))
-        holds &= distance <= ON_LEVEL * cell
-    return holds
+def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], cell: float) -> Flags:
+    """Whether between ends (k + 1, n, 2) the leaves (k, n) are the boundary: at each end and at two places before."""
+    start, end = np.array(ends[:-1]), np.array(ends[1:])
+    places = np.array([start + share * (end - start) for share in (1 / 3, 2 / 3, 1.0)])
+    distance, _ = leaves.distance(leaves.slide(places.reshape(-1, 2), np.tile(np.ravel(along), len(places))))
+    return np.asarray((distance <= ON_LEVEL * cell).reshape(len(places) * len(start), -1).all(axis=0))
 
 
 def _turn(leaves: PlaneLeaves, joints: Joints) -> Floats:

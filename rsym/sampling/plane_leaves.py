@@ -11,6 +11,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
+from rsym.backends.registry import ready_backend
 from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.lifting import FEW, lifted
 from rsym.logic.sign_form import Gate, SignForm, shape_form, sign_form, through
@@ -22,6 +23,7 @@ from rsym.program.lowering import lower
 from rsym.sampling.contours import ON_LEVEL
 from rsym.sampling.form_signs import Signs, joined_signs, signs_between
 from rsym.sampling.plane import large_form
+from rsym.sampling.roots import repeated
 
 NEWTON_STEPS = 12
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
@@ -163,9 +165,8 @@ class PlaneLeaves:
         return first, second
 
     def _bounded(self, function: IntervalFunction, low: Floats, high: Floats) -> list[tuple[Floats, Floats]]:
-        letters = dict.fromkeys(function.program.letters, 0.0) | self.shape.letters.values_with(self.letters)
         lower, upper = self._ends(low, high)
-        return list(function(lower, upper, letters).values())
+        return list(function(lower, upper, self._numbers).values())
 
     def _ends(self, low: Floats, high: Floats) -> Floats:
         """Boxes of the plane in the coordinates of the shape, lower and upper ends (2, dim, n)."""
@@ -201,22 +202,25 @@ class PlaneLeaves:
 
     def slide(self, points: Floats, leaf: Ints) -> Floats:
         """Newton from each point onto its leaf."""
-        for _ in range(NEWTON_STEPS):
-            ((f, p),) = self.of(points, leaf)
-            with np.errstate(all="ignore"):
-                points = points - (f / np.einsum("ij,ij->i", p, p))[:, None] * p
-        return points
+
+        def step(points: Floats, which: Ints) -> Floats:
+            ((f, p),) = self.of(points, leaf[which])
+            return np.asarray(points - (f / np.einsum("ij,ij->i", p, p))[:, None] * p)
+
+        return repeated(step, points, NEWTON_STEPS)
 
     def common(self, points: Floats, one: Ints, other: Ints) -> Floats:
         """Newton from points to the common zeros of two leaves each; NaN or far away where there is none."""
         if self.limits:
             one, other = self._at_walls(one, other), self._at_walls(other, one)
-        for _ in range(NEWTON_STEPS):
-            (f, first), (g, second) = self.of(points, one, other)
+
+        def step(points: Floats, which: Ints) -> Floats:
+            (f, first), (g, second) = self.of(points, one[which], other[which])
             (p, q), (u, v) = first.T, second.T
-            with np.errstate(all="ignore"):
-                points = points - np.stack([f * v - g * q, g * p - f * u], axis=1) / (p * v - q * u)[:, None]
-        return points
+            across = np.stack([f * v - g * q, g * p - f * u], axis=1)
+            return np.asarray(points - across / (p * v - q * u)[:, None])
+
+        return repeated(step, points, NEWTON_STEPS)
 
     @cached_property
     def _zeros(self) -> Ints:
@@ -257,13 +261,17 @@ class PlaneLeaves:
         program = self._kernel.program
         coordinates = [np.full(len(points), self.fixed.get(k, 0.0)) for k in range(len(program.coordinates))]
         coordinates[self.free[0]], coordinates[self.free[1]] = points.T
-        values = self._kernel.letters.values_with(self.letters)
         out = np.empty((len(program.outputs), len(points)))
-        letters = [values[name] for name in program.letters]
+        letters = [self._numbers[name] for name in program.letters]
         run_in_blocks(self._kernel.function, coordinates, letters, out, self._kernel.threads)
         parts = out.reshape(len(out) // 3, 3, len(points))
         parts[list(self.flat), 0] = np.inf
         return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
+
+    @cached_property
+    def _numbers(self) -> dict[str, float]:
+        """Of the letters of the builder by name; those of the shape have values."""
+        return dict.fromkeys(self.form.builder.letters, 0.0) | self.shape.letters.values_with(self.letters)
 
     @cached_property
     def _large(self) -> Any:
@@ -278,9 +286,9 @@ class PlaneLeaves:
 
 @recently(16)
 def _leaf_bounds(form: SignForm) -> IntervalFunction:
-    """In NumPy: called some ten times for thousands of boxes, and nothing is compiled."""
+    """Called some ten times for thousands of boxes: nothing is compiled."""
     program = form.builder.program({f"leaf_{k}": leaf for k, leaf in enumerate(form.leaves)})
-    return IntervalFunction(program, "numpy", sharpened=tuple({number for _, number in program.outputs}))
+    return IntervalFunction(program, ready_backend(), sharpened=tuple({number for _, number in program.outputs}))
 
 
 @recently(16)
@@ -288,7 +296,7 @@ def _slope_bounds(form: SignForm, free: tuple[int, int]) -> IntervalFunction:
     builder = form.builder
     names = [builder.coordinates[axis] for axis in free]
     slopes = [derivative(builder, leaf, name) for name in names for leaf in form.leaves]
-    return IntervalFunction(builder.program({f"slope_{k}": node for k, node in enumerate(slopes)}), "numpy")
+    return IntervalFunction(builder.program({f"slope_{k}": node for k, node in enumerate(slopes)}), ready_backend())
 
 
 @recently(16)
