@@ -22,8 +22,8 @@ from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
 from rsym.sampling.windows import outer_bounds
+from rsym.verify.boxes.lacking import lacking
 from rsym.verify.boxes.local import Box, Model
-from rsym.verify.lacking import lacking
 from rsym.verify.normalisation.cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normalisation.derivatives import NormalDerivatives
 from rsym.verify.normalisation.leaves import leaves_of
