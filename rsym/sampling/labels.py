@@ -132,7 +132,7 @@ class Labeller:
             away = np.nan_to_num(np.abs(value) / np.sqrt(np.einsum("kin,kin->kn", gradient, gradient)), nan=np.inf)
         return self(points, away.argmin(axis=0))
 
-    def onto(self, points: Floats, leaf: Integers | None = None) -> tuple[Floats, Floats, Flags]:
+    def onto(self, points: Floats, leaf: Ints | None = None) -> tuple[Floats, Floats, Flags]:
         """Points (n, dim) moved onto the leaves that give the form its value, their normals, which are on the boundary.
 
         With leaves (n,) onto these.
