@@ -129,12 +129,12 @@ def run_in_blocks(
     def work(block: tuple[slice, ...]) -> None:
         with np.errstate(over="ignore"):  # a coordinate outside the range of float32 is infinite
             inputs = [np.ascontiguousarray(array[block], out.dtype).reshape(-1) for array in arrays]
-        places = [component[block] for component in out]
-        lines = [place.reshape(-1) if place.flags.c_contiguous else np.empty(place.size, out.dtype) for place in places]
+        places = out[:, *block]
+        whole, shape = places[:1].flags.c_contiguous, (len(out), inputs[0].size)
+        lines = places.reshape(shape) if whole else np.empty(shape, out.dtype)
         function.run(inputs, letters, lines)
-        for place, line in zip(places, lines, strict=True):
-            if not place.flags.c_contiguous:
-                place[...] = line.reshape(place.shape)
+        if not whole:
+            places[...] = lines.reshape(places.shape)
 
     if not arrays[0].ndim:
         arrays, out = [array.reshape(1) for array in arrays], out.reshape(-1, 1)

@@ -23,7 +23,7 @@ import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats
+from rsym.arrays import Arrays, Floats, addresses
 from rsym.backends.caches import keep_entry, read_entry
 from rsym.backends.vector_code import number_text
 from rsym.backends.vector_functions import ARITIES, definitions
@@ -289,9 +289,7 @@ class LlvmFunction:
         pointer = ctypes.c_void_p
         self._function = ctypes.CFUNCTYPE(None, pointer, pointer, pointer, ctypes.c_int64)(address)
 
-    def run(
-        self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]
-    ) -> None:
+    def run(self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Arrays) -> None:
         """Fill the outputs (contiguous, one-dimensional, of the precision) at the coordinates (likewise)."""
         lanes = VECTORS[self.precision.name].lanes
         count = len(outputs[0])
@@ -302,7 +300,7 @@ class LlvmFunction:
         if whole < count:
             last = np.minimum(np.arange(whole, whole + lanes), count - 1)
             padded = [array[last] for array in coordinates]
-            results = [np.empty(lanes, self.precision.dtype) for _ in outputs]
+            results = np.empty((len(outputs), lanes), self.precision.dtype)
             self._call(padded, values, results, lanes)
             for output, result in zip(outputs, results, strict=True):
                 output[whole:] = result[: count - whole]
@@ -311,9 +309,8 @@ class LlvmFunction:
         self,
         coordinates: Sequence[NDArray[Any]],
         letters: Floats,
-        outputs: Sequence[NDArray[Any]],
+        outputs: Arrays,
         count: int,
     ) -> None:
-        ins = (ctypes.c_void_p * len(coordinates))(*(array.ctypes.data for array in coordinates))
-        outs = (ctypes.c_void_p * len(outputs))(*(array.ctypes.data for array in outputs))
-        self._function(ins, outs, letters.ctypes.data, count)
+        ins, outs = addresses(coordinates), addresses(outputs)
+        self._function(ins.ctypes.data, outs.ctypes.data, letters.ctypes.data, count)

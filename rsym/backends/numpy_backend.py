@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from rsym.arrays import Arrays
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import FLOAT64, Node, Precision, Program, constant_value
 
@@ -93,9 +94,7 @@ class NumpyFunction:
         self.source = numpy_source(program, precision)
         self._function = function_of(self.source, program, np)
 
-    def run(
-        self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]
-    ) -> None:
+    def run(self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Arrays) -> None:
         """Fill the outputs (contiguous, one-dimensional, of the precision) at the coordinates (likewise)."""
         with np.errstate(all="ignore"):
             values = self._function(*coordinates, *(np.float64(letter) for letter in letters))

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 
 from numpy.typing import NDArray
 
+from rsym.arrays import Arrays
 from rsym.backends.numpy_backend import NumpyFunction
 from rsym.errors import RsymError
 from rsym.program.program import FLOAT64, Precision, Program
@@ -23,15 +24,18 @@ class CompiledFunction(Protocol):
 
     def __init__(self, program: Program, precision: Precision = FLOAT64) -> None: ...
 
-    def run(
-        self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]
-    ) -> None:
+    def run(self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Arrays) -> None:
         """Fill the outputs."""
 
 
 def default_backend() -> str:
     """`llvm` where llvmlite can be imported, else `numpy`."""
     return "llvm" if _llvm_function() is not None else "numpy"
+
+
+def ready_backend() -> str:
+    """The one that compiles nothing for what is asked a few times: `tape` where llvmlite can be imported."""
+    return "tape" if _tape_function() is not None else "numpy"
 
 
 def _llvm_function() -> type[CompiledFunction] | None:

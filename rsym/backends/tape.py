@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Arrays, Floats, Ints, addresses
 from rsym.backends.llvm_code import VECTORS, machine_code
 from rsym.backends.tape_code import ROW_VECTORS, VARIES, executor_source, size_of
 from rsym.program.program import FLOAT64, Node, Precision, Program, assemble, constant_value
@@ -119,15 +119,12 @@ class TapeFunction:
         """The tape, readable."""
         return str(self.tape)
 
-    def run(
-        self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Sequence[NDArray[Any]]
-    ) -> None:
+    def run(self, coordinates: Sequence[NDArray[Any]], letters: Sequence[float], outputs: Arrays) -> None:
         """Fill the outputs (contiguous, one-dimensional, of the precision) at the coordinates (likewise)."""
         memory = self._executor.memory(self.tape, self._uniform(letters))
-        ins = (ctypes.c_void_p * len(coordinates))(*(array.ctypes.data for array in coordinates))
-        outs = (ctypes.c_void_p * len(outputs))(*(array.ctypes.data for array in outputs))
+        ins, outs = addresses(coordinates), addresses(outputs)
         counts = len(coordinates), len(outputs)
         self._executor.evaluate(
-            self._code.ctypes.data, memory.ctypes.data, ins, counts[0], outs, counts[1], self._places.ctypes.data,
-            len(outputs[0]),
+            self._code.ctypes.data, memory.ctypes.data, ins.ctypes.data, counts[0], outs.ctypes.data, counts[1],
+            self._places.ctypes.data, len(outputs[0]),
         )  # fmt: skip

@@ -10,7 +10,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.language.building import Built, FormulaBuilder, Verbatim, symbol_part
 from rsym.language.extent import Extent
-from rsym.language.functions import operations
+from rsym.language.functions import in_quotes, operations
 from rsym.language.model import ModelFile
 from rsym.language.pieces import Calls, shown_call
 from rsym.language.syntax import Assignment, Expression, Name, names_in
@@ -135,5 +135,5 @@ def _unknown(name: Name, own: str, known: Mapping[str, Built], model: ModelFile)
     if name.name in later:
         remedy = "move its definition up"
         return name.place.refuse(f"'{name.name}' is defined later, at {later[name.name]}", "unknown-name", remedy)
-    remedy = proposal(name.name, known, f"declare it, for example: letter {name.name} = 1")
+    remedy = in_quotes(name.name) or proposal(name.name, known, f"declare it, for example: letter {name.name} = 1")
     return name.place.refuse(f"unknown name '{name.name}'", "unknown-name", remedy)

@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import TypeVar
 
 from rsym.language.exact import literal
-from rsym.language.functions import COMPARISONS, CONNECTIVES, NODES, PIECEWISE
+from rsym.language.functions import COMPARISONS, CONNECTIVES, NODES, PIECEWISE, in_quotes
 from rsym.language.pieces import PIECES
 from rsym.language.scanner import Cursor, Token
 from rsym.language.syntax import ARITIES, KEYWORDS, Call, Expression, Name, Number, Power, Product, Quoted, Sum, Vector
@@ -216,7 +216,7 @@ class ExpressionParser:
     def _check_call(self, function: Token, count: int, start: int) -> None:
         if function.text not in self._arities:
             product = f"the functions are {listing(self._arities)}; for a product write {function.text}*(...)"
-            remedy = proposal(function.text, (*self._arities, *PIECES, PIECEWISE), product)
+            remedy = in_quotes(function.text) or proposal(function.text, (*self._arities, *PIECES, PIECEWISE), product)
             raise function.place.refuse(f"no function {function.shown}", "unknown-name", remedy)
         fewest, most = self._arities[function.text]
         if fewest <= count and (most is None or count <= most):

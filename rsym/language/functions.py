@@ -87,6 +87,13 @@ def named_system(text: Any, letters: Mapping[str, Any]) -> RSystem:
     raise RsymError(f"no R-system {text!r}", code="unknown-system", remedy=f"the systems are {', '.join(known)}")
 
 
+def in_quotes(word: str) -> str | None:
+    """How the name of a system is given to a call; None for other words."""
+    if word in SYSTEMS:
+        return f'write system = "{word}"'
+    return f'write system = "{word} {FAMILIES[word][1]}"' if word in FAMILIES else None
+
+
 @dataclass(frozen=True)
 class TextFunction:
     """One function, three times over; SymPy never evaluates `symbolic`, `exact` is there where rationals stay so.

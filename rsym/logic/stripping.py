@@ -113,6 +113,9 @@ def rising(builder: Builder, number: int) -> Signed | None:
     >>> logistic = b.div(b.const(1), b.add(b.const(1), b.make("exp", b.input("x"))))
     >>> rising(b, b.sub(logistic, b.const(Fraction(1, 2)))) == Signed(b.input("x"), -1)
     True
+    >>> logistic = b.make("exp", b.neg(b.make("softplus", b.input("x"))))
+    >>> rising(b, b.sub(logistic, b.const(Fraction(1, 2)))) == Signed(b.input("x"), -1)
+    True
     """
     operation, arguments, _ = builder.nodes[number]
     row = OPERATIONS[operation]
@@ -138,6 +141,10 @@ def _above(builder: Builder, number: int, level: Fraction) -> Signed | None:
         sign, level = sign if times > 0 else -sign, level / times
         operation, arguments, _ = builder.nodes[number]
         if operation == "exp":
+            exponent, slope = scaled(builder, arguments[0])
+            inner = builder.nodes[exponent]
+            if inner.operation == "softplus" and slope == -1 and level == Fraction(1, 2):  # 1/(1 + exp(u))
+                return Signed(inner.arguments[0], -sign)
             return Signed(arguments[0], sign) if level == 1 else None
         constants = [builder.value(argument) for argument in arguments]
         if operation == "add" and (constant := next((c for c in constants if c is not None), None)) is not None:

@@ -9,10 +9,10 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
-from rsym.model.bounding import BoundingBox
+from rsym.model.bounding import BoundingBox, without
 from rsym.model.equation import substituted
 from rsym.model.letters import Letters
-from rsym.model.parallels import Parallel, lengths
+from rsym.model.parallels import Parallel, in_lengths, lengths
 from rsym.model.primitives.formulas import ROOM, between
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
@@ -262,9 +262,9 @@ def _joined(
     box: BoundingBox | None,
 ) -> Shape:
     """The conjunction with an expression in more coordinates; a system that rounds edges is given lengths."""
-    inside = shape.expression if system.keeps_sets else lengths(shape.expression, shape.coordinates, shape.letters)
+    shape = shape if system.keeps_sets else in_lengths(shape)
     return Shape(
-        system.conjunction(inside, other),
+        system.conjunction(shape.expression, other),
         (*shape.coordinates, *more),
         letters=shape.letters.merge(letters),
         box=box,
@@ -273,9 +273,19 @@ def _joined(
 
 
 def _with_heights(box: BoundingBox | None, heights: tuple[float, float]) -> BoundingBox | None:
-    """The box of a plane shape made a box in space, a tenth of the height free above and below."""
+    """The box of a plane shape made a box in space, a tenth of the height free above and below.
+
+    Beside a box about what is cut out of the plane, the faces at both heights go on without end.
+    """
     room = ROOM * (heights[1] - heights[0])
-    return box and box.mapped(lambda ends: (*ends, (heights[0] - room, heights[1] + room)))
+    if box is None or not box.solid:
+        return None
+    return box.mapped(lambda ends: (*ends, (heights[0] - room, heights[1] + room)))
+
+
+def _grown(box: BoundingBox, room: float) -> BoundingBox:
+    """The box of what grew by some length, likely."""
+    return box.mapped(lambda ends: tuple((low - room, high + room) for low, high in ends)).likely
 
 
 def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Shape:
@@ -301,8 +311,7 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     """
     require_shape(shape)
     grown, known = number(distance, "a distance"), shape.letters.merge(letters)
-    room = max(default(grown, known), 0.0)
-    box = shape.box and shape.box.mapped(lambda ends: tuple((low - room, high + room) for low, high in ends)).likely
+    box = shape.box and _grown(shape.box, max(default(grown, known), 0.0))
     parallel = Parallel(shape.coordinates, known)
     moved = Shape(parallel.moved(shape.expression, grown), shape.coordinates, letters=known, box=box)
     _tell_of_range(parallel, shape, moved, default(grown, known), "offset")
@@ -334,10 +343,13 @@ def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: Letter
     known = shape.letters.merge(letters)
     depth = positive(thickness, "the thickness", known)
     parallel = Parallel(shape.coordinates, known)
-    inner = Shape(parallel.moved(shape.expression, -depth), shape.coordinates, letters=known, box=shape.box)
+    inner_box = shape.box
+    if shape.box is not None and not shape.box.solid and shape.bounds is None:  # what shrinks is outside of the box
+        inner_box = _grown(shape.box, default(depth, known))
+    inner = Shape(parallel.moved(shape.expression, -depth), shape.coordinates, letters=known, box=inner_box)
     _tell_of_range(parallel, shape, inner, default(depth, known), "thickness")
     wall = system.conjunction(shape.expression, -inner.expression)
-    return Shape(wall, shape.coordinates, letters=known, box=shape.box, parts=shape.parts)
+    return Shape(wall, shape.coordinates, letters=known, box=without([shape.box, inner_box]), parts=shape.parts)
 
 
 def _tell_of_range(parallel: Parallel, body: Shape, moved: Shape, distance: float, what: str) -> None:

@@ -125,8 +125,17 @@ def transnormal(leaf: sp.Expr, coordinates: Coordinates) -> Transnormal | None:
     if bend is None:  # an expression in letters, from one place
         place = dict(zip(coordinates, map(sp.Integer, (1, 2, 3)), strict=False))
         value, size = (substitute(part, place) for part in (plain, squares))
-        bend = sp.cancel((square - size) / value)
+        bend = _cancelled((square - size) / value)
     return Transnormal(function, coordinates, sp.sqrt(square), bend)
+
+
+def _cancelled(ratio: sp.Expr) -> sp.Expr:
+    """A ratio in lowest terms, sine and cosine of a number being fractions of the tangent of its half."""
+    halves = {angle: sp.Dummy() for part in ratio.atoms(sp.sin, sp.cos) if (angle := part.args[0]).is_number}
+    fractions = {sp.sin(angle): 2 * half / (1 + half**2) for angle, half in halves.items()}
+    fractions |= {sp.cos(angle): (1 - half**2) / (1 + half**2) for angle, half in halves.items()}
+    cancelled = sp.cancel(ratio.xreplace(fractions))
+    return cancelled.xreplace({half: sp.tan(angle / 2) for angle, half in halves.items()})
 
 
 def _plain(leaf: sp.Expr) -> sp.Expr | None:

@@ -8,7 +8,7 @@ so does a concave one that shrinks; edges that are round already keep the middle
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import sympy as sp
 
@@ -18,6 +18,7 @@ from rsym.model.blends.rho import CircularOperation
 from rsym.model.distances import Coordinates, transnormal
 from rsym.model.nodes import Scaled
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, ROperation
+from rsym.model.shape import Shape
 
 
 @dataclass
@@ -128,3 +129,20 @@ def lengths(part: sp.Expr, coordinates: Coordinates, letters: LetterMapping = No
         return joined(*(lengths(operand, coordinates, letters) for operand in part.operands))
     found = transnormal(part, coordinates)
     return part if found is None else found.distance(letters)
+
+
+def in_lengths(shape: Shape, letters: LetterMapping = None) -> Shape:
+    """The shape as far as its leaves know lengths, its parts likewise.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> in_lengths(rsym.rectangle(4, 2).named("plate")).parts
+    (('plate', conjunction(2 - Abs(x), 1 - Abs(y), system=R1)),)
+    """
+    known = shape.letters.merge(letters)
+    images = {
+        part: lengths(part, shape.coordinates, known) for part in (shape.expression, *(part for _, part in shape.parts))
+    }
+    parts = tuple((name, images[part]) for name, part in shape.parts)
+    return replace(shape, expression=images[shape.expression], parts=parts)

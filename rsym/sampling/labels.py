@@ -132,8 +132,10 @@ class Labeller:
             away = np.nan_to_num(np.abs(value) / np.sqrt(np.einsum("kin,kin->kn", gradient, gradient)), nan=np.inf)
         return self(points, away.argmin(axis=0))
 
-    def onto(self, points: Floats) -> tuple[Floats, Floats, Flags]:
+    def onto(self, points: Floats, leaf: Ints | None = None) -> tuple[Floats, Floats, Flags]:
         """Points (n, dim) moved onto the leaves that give the form its value, their normals, which are on the boundary.
+
+        With leaves (n,) onto these.
 
         Examples
         --------
@@ -144,7 +146,8 @@ class Labeller:
         ([[0.5, 1.0], [1.0, 0.75]], [True, True])
         """
         every, size = np.arange(len(points)), np.abs(points).max(initial=0.0)
-        places, value, gradient = self._on_leaf(points, self._active_leaf(self._values(points)[0]))
+        leaf = self._active_leaf(self._values(points)[0]) if leaf is None else leaf
+        places, value, gradient = self._on_leaf(points, leaf)
         leaf = self._active_leaf(value)
         with np.errstate(all="ignore"):
             slope = gradient[leaf, :, every]

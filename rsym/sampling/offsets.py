@@ -10,6 +10,7 @@ import numpy as np
 from rsym.arrays import Floats
 from rsym.backends.kernel import compile
 from rsym.errors import RsymError, RsymWarning, warn
+from rsym.logic.faces import shape_faces
 from rsym.model.shape import Shape
 from rsym.sampling.distances import nearest_on_lines, nearest_on_mesh
 from rsym.sampling.extent import extent
@@ -59,7 +60,7 @@ def tell_of_bulge(blended: Shape, sharp: Shape, operands: Sequence[Shape]) -> No
     if not on_both.any():
         return
     points = points[on_both]
-    found = _distance(points, blended, others)
+    found = _distance(points, blended, others, ON_FACE * size)
     largest = int(np.argmax(found))
     if found[largest] > ON_FACE * size:
         place = ", ".join(f"{coordinate:.4g}" for coordinate in points[largest])
@@ -80,10 +81,11 @@ def _points(boundary: list[Floats] | Mesh) -> Floats:
     return np.concatenate(boundary) if isinstance(boundary, list) else boundary.vertices
 
 
-def _distance(points: Floats, shape: Shape, boundary: list[Floats] | Mesh) -> Floats:
+def _distance(points: Floats, shape: Shape, boundary: list[Floats] | Mesh, asked: float) -> Floats:
     """The distance of points from the boundary of a shape, from its chords moved onto leaves, to rounding.
 
-    The foot of a perpendicular stays where a point is moved into the tangent plane and onto the leaf again.
+    The foot of a perpendicular stays where a point is moved into the tangent plane and onto the leaf again. For points
+    farther away than what was asked for, which chords of a wall too thin for them tell, it is looked for on each leaf.
     """
     if isinstance(boundary, list):
         chords = nearest_on_lines(points, boundary)
@@ -106,13 +108,18 @@ def _distance(points: Floats, shape: Shape, boundary: list[Floats] | Mesh) -> Fl
         feet[better], normals[better], least[better] = moved[nearer], turned[nearer], found[nearer]
         share[going[~nearer]] *= HALVED
         going = going[np.linalg.norm(along, axis=1) * share[going] > ON_FACE * least[going]]
+    (far,) = np.nonzero(least > asked)
+    for number in range(len(shape_faces(shape).form.leaves) if len(far) else 0):
+        leaf = np.full(len(far), number)
+        found, _, there = label.onto(label.onto(points[far], leaf)[0], leaf)
+        least[far[there]] = np.minimum(least[far[there]], np.linalg.norm(points[far[there]] - found[there], axis=1))
     return np.asarray(least)
 
 
 def _range(body: Shape, moved: Shape, distance: float) -> tuple[float, float] | None:
     """The least and the largest distance, None where they are the one asked for."""
     faces, walls = _boundary(body), _boundary(moved)
-    found = _distance(_points(walls), body, faces)
-    low, high = float(found.min()), float(found.max())
     slack = SHARE * distance
+    found = _distance(_points(walls), body, faces, distance + slack)
+    low, high = float(found.min()), float(found.max())
     return (low, high) if low < distance - slack or high > distance + slack else None

@@ -15,7 +15,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError, warn
-from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
+from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, bends, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of, level_leaves
@@ -28,7 +28,7 @@ SMOOTH_JOINT = 1e-2
 
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
     """The lines omega = 0 of a prepared plane; what is thinner than a cell is looked for."""
-    signs = _defined(sampler.signs() if signs is None else signs)
+    signs, leaves = _defined(sampler.signs() if signs is None else signs), leaves.unfolded
     seen = seen_lines(sampler.lattice, signs, leaves)
     found = _on_leaves(sampler, leaves, signs, seen.lines)[0]
     told = {name: getattr(seen, name) for name in ("unseen", "places", "finer", "examined")}
@@ -93,7 +93,7 @@ def outline_on_edges(
     What is thinner than a cell is not looked for: all edges are of the lattice.
     """
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
-    return _on_leaves(sampler, leaves, signs, [line[::-1] for line in index_lines(_defined(signs), 0.0)])
+    return _on_leaves(sampler, leaves.unfolded, signs, [line[::-1] for line in index_lines(_defined(signs), 0.0)])
 
 
 def _defined(signs: Floats) -> Floats:
@@ -109,10 +109,13 @@ def _on_leaves(
     cell = min(sampler.lattice.spacing)
     index = np.concatenate([*found, np.empty((0, 2))])
     points = _on_edges(sampler, leaves, index)
-    distance, leaf = leaves.distance(points)
+    value, gradient, leaf = leaves.of_active(points)
+    with np.errstate(all="ignore"):
+        distance = np.abs(value) / np.linalg.norm(gradient, axis=1)
     starts = np.cumsum([0, *map(len, found)])
-    joints = np.flatnonzero(np.diff(leaf))
-    joints = joints[~np.isin(joints + 1, starts)]
+    neighbours = np.setdiff1d(np.arange(1, len(points)), starts)
+    joints = neighbours[np.diff(leaf)[neighbours - 1] != 0] - 1
+    bent = bends(gradient)[neighbours - 1] & np.isin(leaf, leaves.kinked)[neighbours]
     corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1]), cell)
     places = joints[corners.joint] + 1
     ends = starts + np.searchsorted(places, starts)
@@ -131,7 +134,7 @@ def _on_leaves(
         undefined_samples=int(np.isnan(signs).sum()),
         closed=closed,
         open=len(lines) - closed,
-        unresolved_corners=corners.missed,
+        unresolved_corners=corners.missed + int(np.count_nonzero(bent & ~np.isin(neighbours - 1, joints))),
     )
     return LevelLines(lines, 0.0, "value", status), edges
 
@@ -255,14 +258,14 @@ def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> 
     return (
         _near(joints, corner, cell)
         & leaves.meet(corner, joints.one, joints.other, cell)
-        & _bounds(leaves, joints.before, corner, joints.one, cell)
-        & _bounds(leaves, corner, joints.after, joints.other, cell)
+        & _bounds(leaves, [joints.before, corner, joints.after], [joints.one, joints.other], cell)
     )
 
 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
-    first, second = leaves.common(middle, joints.one, third), leaves.common(middle, third, joints.other)
+    ones, others = np.concatenate([joints.one, third]), np.concatenate([third, joints.other])
+    first, second = np.split(leaves.common(np.tile(middle, (2, 1)), ones, others), 2)
     # Leaves that coincide have a corner with a third one anywhere, and a line would run there and back.
     holds = _near(joints, first, cell) & _near(joints, second, cell)
     holds &= np.linalg.norm(first - second, axis=1) > ON_LEVEL * cell
@@ -271,9 +274,7 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     holds[near] = (
         leaves.meet(one, some.one, third, cell)
         & leaves.meet(two, third, some.other, cell)
-        & _bounds(leaves, some.before, one, some.one, cell)
-        & _bounds(leaves, one, two, third, cell)
-        & _bounds(leaves, two, some.after, some.other, cell)
+        & _bounds(leaves, [some.before, one, two, some.after], [some.one, third, some.other], cell)
     )
     return np.stack([first, second], axis=1), holds
 
@@ -283,13 +284,12 @@ def _near(joints: Joints, points: Floats, cell: float) -> Flags:
     return near
 
 
-def _bounds(leaves: PlaneLeaves, start: Floats, end: Floats, leaf: Ints, cell: float) -> Flags:
-    """Whether the leaf is the boundary from start to end: at the end and at two places between."""
-    holds = np.ones(len(start), np.bool_)
-    for share in (1 / 3, 2 / 3, 1.0):
-        distance, _ = leaves.distance(leaves.slide(start + share * (end - start), leaf))
-        holds &= distance <= ON_LEVEL * cell
-    return holds
+def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], cell: float) -> Flags:
+    """Whether between ends (k + 1, n, 2) the leaves (k, n) are the boundary: at each end and at two places before."""
+    start, end = np.array(ends[:-1]), np.array(ends[1:])
+    places = np.array([start + share * (end - start) for share in (1 / 3, 2 / 3, 1.0)])
+    distance, _ = leaves.distance(leaves.slide(places.reshape(-1, 2), np.tile(np.ravel(along), len(places))))
+    return np.asarray((distance <= ON_LEVEL * cell).reshape(len(places) * len(start), -1).all(axis=0))
 
 
 def _turn(leaves: PlaneLeaves, joints: Joints) -> Floats:

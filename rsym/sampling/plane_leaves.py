@@ -11,9 +11,10 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
+from rsym.backends.registry import ready_backend
 from rsym.bounds.intervals import IntervalFunction
-from rsym.logic.lifting import FEW, lifted
-from rsym.logic.sign_form import Gate, SignForm, shape_form, sign_form, through
+from rsym.logic.lifting import unfolded
+from rsym.logic.sign_form import Gate, SignForm, has_kinks, shape_form, sign_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import real_symbol
@@ -22,6 +23,7 @@ from rsym.program.lowering import lower
 from rsym.sampling.contours import ON_LEVEL
 from rsym.sampling.form_signs import Signs, joined_signs, signs_between
 from rsym.sampling.plane import large_form
+from rsym.sampling.roots import repeated
 
 NEWTON_STEPS = 12
 # The tip of a wedge of four degrees sticks out of the cells whose edges it crosses by this many.
@@ -110,7 +112,8 @@ class PlaneLeaves:
     def crossing_over(self, low: Floats, high: Floats) -> tuple[Ints, Ints]:
         """The two leaves that alone matter in a box, if they cross there at one point at most; else -1."""
         box, leaf = self._mattering(low, high)
-        count = len(self._zeros)
+        count, real = len(self._zeros), ~np.isin(leaf, self.form.folds)
+        box, leaf = box[real], leaf[real]
         box, leaf = np.divmod(np.unique(box * count + self._zeros[leaf]), count)
         both = np.flatnonzero(np.bincount(box, minlength=len(low)) == 2)
         first = np.searchsorted(box, both)
@@ -163,9 +166,8 @@ class PlaneLeaves:
         return first, second
 
     def _bounded(self, function: IntervalFunction, low: Floats, high: Floats) -> list[tuple[Floats, Floats]]:
-        letters = dict.fromkeys(function.program.letters, 0.0) | self.shape.letters.values_with(self.letters)
         lower, upper = self._ends(low, high)
-        return list(function(lower, upper, letters).values())
+        return list(function(lower, upper, self._numbers).values())
 
     def _ends(self, low: Floats, high: Floats) -> Floats:
         """Boxes of the plane in the coordinates of the shape, lower and upper ends (2, dim, n)."""
@@ -201,22 +203,31 @@ class PlaneLeaves:
 
     def slide(self, points: Floats, leaf: Ints) -> Floats:
         """Newton from each point onto its leaf."""
-        for _ in range(NEWTON_STEPS):
-            ((f, p),) = self.of(points, leaf)
-            with np.errstate(all="ignore"):
-                points = points - (f / np.einsum("ij,ij->i", p, p))[:, None] * p
-        return points
+
+        def step(points: Floats, which: Ints) -> Floats:
+            ((f, p),) = self.of(points, leaf[which])
+            return np.asarray(points - (f / np.einsum("ij,ij->i", p, p))[:, None] * p)
+
+        return repeated(step, points, NEWTON_STEPS)
 
     def common(self, points: Floats, one: Ints, other: Ints) -> Floats:
         """Newton from points to the common zeros of two leaves each; NaN or far away where there is none."""
         if self.limits:
             one, other = self._at_walls(one, other), self._at_walls(other, one)
-        for _ in range(NEWTON_STEPS):
-            (f, first), (g, second) = self.of(points, one, other)
+
+        def step(points: Floats, which: Ints) -> Floats:
+            (f, first), (g, second) = self.of(points, one[which], other[which])
             (p, q), (u, v) = first.T, second.T
-            with np.errstate(all="ignore"):
-                points = points - np.stack([f * v - g * q, g * p - f * u], axis=1) / (p * v - q * u)[:, None]
-        return points
+            across = np.stack([f * v - g * q, g * p - f * u], axis=1)
+            return np.asarray(points - across / (p * v - q * u)[:, None])
+
+        return repeated(step, points, NEWTON_STEPS)
+
+    @cached_property
+    def unfolded(self) -> PlaneLeaves:
+        """The same with the choices within leaves as gates: leaves without corners of their own, by other numbers."""
+        form = self.form if self._large is not None else unfolded(self.form)
+        return self if form is self.form else replace(self, form=form, flat=()).at(self.fixed)
 
     @cached_property
     def _zeros(self) -> Ints:
@@ -230,6 +241,12 @@ class PlaneLeaves:
     def walls(self) -> Ints:
         """The leaves that are ends of domains: no zero of omega is there."""
         return np.array(sorted(self.form.walls), np.int64)
+
+    @cached_property
+    def kinked(self) -> list[int]:
+        """The leaves that may have corners of their own, as far as that is known."""
+        few = () if self._large is not None else self.form.leaves
+        return [number for number, leaf in enumerate(few) if has_kinks(self.form.builder, leaf)]
 
     @cached_property
     def limits(self) -> dict[tuple[int, int], int]:
@@ -257,13 +274,17 @@ class PlaneLeaves:
         program = self._kernel.program
         coordinates = [np.full(len(points), self.fixed.get(k, 0.0)) for k in range(len(program.coordinates))]
         coordinates[self.free[0]], coordinates[self.free[1]] = points.T
-        values = self._kernel.letters.values_with(self.letters)
         out = np.empty((len(program.outputs), len(points)))
-        letters = [values[name] for name in program.letters]
+        letters = [self._numbers[name] for name in program.letters]
         run_in_blocks(self._kernel.function, coordinates, letters, out, self._kernel.threads)
         parts = out.reshape(len(out) // 3, 3, len(points))
         parts[list(self.flat), 0] = np.inf
         return parts[:, 0], parts[:, 1:].transpose(0, 2, 1)
+
+    @cached_property
+    def _numbers(self) -> dict[str, float]:
+        """Of the letters of the builder by name; those of the shape have values."""
+        return dict.fromkeys(self.form.builder.letters, 0.0) | self.shape.letters.values_with(self.letters)
 
     @cached_property
     def _large(self) -> Any:
@@ -278,9 +299,9 @@ class PlaneLeaves:
 
 @recently(16)
 def _leaf_bounds(form: SignForm) -> IntervalFunction:
-    """In NumPy: called some ten times for thousands of boxes, and nothing is compiled."""
+    """Called some ten times for thousands of boxes: nothing is compiled."""
     program = form.builder.program({f"leaf_{k}": leaf for k, leaf in enumerate(form.leaves)})
-    return IntervalFunction(program, "numpy", sharpened=tuple({number for _, number in program.outputs}))
+    return IntervalFunction(program, ready_backend(), sharpened=tuple({number for _, number in program.outputs}))
 
 
 @recently(16)
@@ -288,7 +309,7 @@ def _slope_bounds(form: SignForm, free: tuple[int, int]) -> IntervalFunction:
     builder = form.builder
     names = [builder.coordinates[axis] for axis in free]
     slopes = [derivative(builder, leaf, name) for name in names for leaf in form.leaves]
-    return IntervalFunction(builder.program({f"slope_{k}": node for k, node in enumerate(slopes)}), "numpy")
+    return IntervalFunction(builder.program({f"slope_{k}": node for k, node in enumerate(slopes)}), ready_backend())
 
 
 @recently(16)
@@ -375,11 +396,5 @@ def _lowered(shape: Shape) -> Shape:
 @recently(16)
 def _lifted_form(shape: Shape) -> SignForm | None:
     builder = shape_form(shape).builder
-    form = sign_form(builder, lower(builder, shape.expression))
-    while len(form.leaves) <= FEW:  # of a sum one side comes to the top at a time
-        leaves = [lifted(builder, leaf, 0) for leaf in form.leaves]
-        if tuple(leaves) == form.leaves:
-            break
-        made = through(form.gates, leaves, lambda gate, one, other: builder.make(gate.operation, one, other))
-        form = sign_form(builder, made[-1])
+    form = unfolded(sign_form(builder, lower(builder, shape.expression)))
     return form if len(form.leaves) > 1 else None

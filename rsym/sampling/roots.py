@@ -1,4 +1,4 @@
-"""Many one-dimensional roots at once."""
+"""Many roots at once."""
 
 from __future__ import annotations
 
@@ -59,3 +59,26 @@ def _interpolated(a: Floats, b: Floats, c: Floats, fa: Floats, fb: Floats, fc: F
         quadratic = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
         use = (phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi) & np.isfinite(quadratic)
     return np.where(use, quadratic, 0.5)
+
+
+def repeated(step: Callable[[Floats, Ints], Floats], points: Floats, steps: int) -> Floats:
+    """Points (n, k) after so many steps of Newton's method; one that stays, or is nowhere, does so for good.
+
+    ``step(points, which)`` moves the points numbered `which`.
+
+    Examples
+    --------
+    >>> squares = np.array([[4.0], [9.0], [-1.0]])
+    >>> with np.errstate(all="ignore"):
+    ...     repeated(lambda x, which: (x + squares[which] / x) / 2, np.array([[1.0], [3.0], [np.nan]]), 8).T
+    array([[ 2.,  3., nan]])
+    """
+    points, moving = points.copy(), np.arange(len(points))
+    for _ in range(steps):
+        before = points[moving]
+        with np.errstate(all="ignore"):
+            points[moving] = after = step(before, moving)
+        moving = moving[((after != before) & (after == after)).any(axis=1)]
+        if not len(moving):
+            break
+    return points

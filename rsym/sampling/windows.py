@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from rsym.errors import RsymError, warn
-from rsym.logic.sign_form import surface_form
+from rsym.logic.sign_form import SignForm, surface_form
 from rsym.model.bounding import checked_bounds, hull, outwards
 from rsym.model.recent import recently, written
 from rsym.model.requirements import require_shape
@@ -63,7 +63,13 @@ def check_letters(shape: Shape, *places: Mapping[Any, float] | None) -> None:
     """Refuse letters with which an R-operation of a shape has no value: there is nothing to be looked at."""
     require_shape(shape)
     for place in places if shape.letters else ():
-        check_parameters(surface_form(shape), shape.letters.values_with(place))
+        check_parameters(_form(shape), shape.letters.values_with(place))
+
+
+@recently(16, written)
+def _form(shape: Shape) -> SignForm:
+    """Its sign form, of which nothing but parameters is asked."""
+    return surface_form(shape)
 
 
 def outer_bounds(shape: Shape, bounds: Any, letters: Mapping[str, tuple[Any, Any]]) -> Bounds:

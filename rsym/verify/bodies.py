@@ -28,6 +28,8 @@ from rsym.verify.answers.report import is_defect
 from rsym.verify.answers.singular import Defect, SingularCurve, SingularPoint
 from rsym.verify.boxes.contact_relations import contacts_of
 from rsym.verify.boxes.domains import is_legal
+from rsym.verify.boxes.holes import holes
+from rsym.verify.boxes.lacking import lacking
 from rsym.verify.boxes.local import Box, Interval, Model
 from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, spread, without_scale
@@ -41,8 +43,6 @@ from rsym.verify.cover.repetition import Repetition, repetition, turning
 from rsym.verify.cover.subdivision import Subdivision, joined_boxes
 from rsym.verify.curves.tracing import trace
 from rsym.verify.everywhere import exists_for_every_value, for_every_value
-from rsym.verify.holes import holes
-from rsym.verify.lacking import lacking
 from rsym.verify.points.space import classify_points
 
 BUDGET = 1_000_000  # boxes: a ball takes 8 000, the car 120 000

@@ -9,6 +9,8 @@
   written as products their derivatives are quotients by |x|, without a bound on a box around x = 0.
 - A positive quadratic form under a root becomes a sum of squares.
 - Angles fold: 1 - cos(u) = 2 sin(u/2)**2 under a root, asin(sin(u)) = atan2(sin(u), |cos(u)|), and so on.
+- Steep profiles become exponentials that stay between 0 and 1, 1/(1 + exp(u)) = exp(-log(1 + exp(u))): of exp(u) on a
+  box a ball keeps the largest value alone, and next to it 1 is nothing.
 
 Nothing else. Every rule is an identity of real functions, also of where they are defined.
 """
@@ -20,6 +22,7 @@ from itertools import product
 
 import sympy as sp
 
+from rsym.model.functions import Softplus
 from rsym.model.nodes import Trimming, expand_nodes
 from rsym.model.powers import AbsolutePower, absolute_power, signed_power
 from rsym.model.rnodes import R0Conjunction, R0Disjunction, R1Conjunction, R1Disjunction, R1Operation
@@ -122,9 +125,23 @@ def _recognised(part: sp.Basic) -> sp.Basic | None:
 def _freed(part: sp.Basic) -> sp.Basic | None:
     if isinstance(part, sp.asin | sp.acos):
         return unfolded(part)
+    if isinstance(part, sp.tanh):
+        return 1 - 2 * sp.exp(-Softplus(2 * part.args[0]))
+    if isinstance(part, sp.Pow) and isinstance(part.exp, sp.Integer) and part.exp < 0:
+        return _logistic(part)
     if isinstance(part, sp.Pow) and isinstance(part.exp, sp.Rational) and part.exp.q == 2:
         return _root_without_squares(part) or _root_of_squares(part) or root_of_angles(part)
     return _modulus_without_squares(part) if isinstance(part, sp.Abs) else None
+
+
+def _logistic(power: sp.Pow) -> sp.Expr | None:
+    """(c + k exp(u))**(-n) as exp(-n log(1 + exp(v)))/c**n with v = u + log(k/c), for positive numbers c and k."""
+    constant, rest = power.base.as_coeff_Add()
+    coefficient, wave = rest.as_coeff_Mul()
+    if not (constant > 0 and coefficient > 0 and isinstance(wave, sp.exp)):
+        return None
+    exponent = wave.args[0] + sp.log(coefficient / constant)
+    return constant**power.exp * sp.exp(power.exp * Softplus(exponent))
 
 
 def _gathered(part: sp.Basic) -> sp.Basic | None:

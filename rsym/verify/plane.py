@@ -25,14 +25,14 @@ from rsym.sampling.windows import outer_bounds
 from rsym.verify.answers.account import audited, distinct, missing
 from rsym.verify.answers.conclusions import Tally, badness, conclude, verdict_from
 from rsym.verify.answers.report import Cover, Joint, SmoothnessReport, is_defect
+from rsym.verify.boxes.holes import holes
+from rsym.verify.boxes.lacking import lacking
 from rsym.verify.boxes.local import PRECISION, Box, Interval, Model, side
 from rsym.verify.cells import within_cells
 from rsym.verify.cleaning import cleaned, without_scale
 from rsym.verify.cover.arcs import ArcInspector
 from rsym.verify.cover.covering import Covering, bounds_of_omega, cover, extent_of, halves, pruner, settled_finely
 from rsym.verify.cover.inspection import Inspection
-from rsym.verify.holes import holes
-from rsym.verify.lacking import lacking
 from rsym.verify.points.clusters import Cluster
 from rsym.verify.points.plane import classify_joints
 from rsym.verify.revolution import meridian

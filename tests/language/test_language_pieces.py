@@ -302,6 +302,10 @@ def test_a_call_names_a_system_of_its_own():
     for text in ('"Foo"', "3", '"Rho"', '"Rho -1"', '"Rp q"', '"R1 2"'):
         with pytest.raises(RsymError, match="line 1, column 9: box: "):
             rsym.loads(f"omega = box(1, 1, 1, system = {text})")
+    for text, remedy in (("R1", 'write system = "R1"'), ("Rho(0.5)", 'write system = "Rho 0.2"')):
+        with pytest.raises(RsymError) as refused:
+            rsym.loads(f"omega = box(1, 1, 1, system = {text})")
+        assert refused.value.remedy == remedy
 
 
 def test_a_letter_may_stand_for_a_whole_number():

@@ -1,3 +1,5 @@
+import warnings
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -284,6 +286,23 @@ def test_small_offsets_of_wide_bodies_are_measured_to_rounding():
     wide = rsym.sphere(8) | rsym.box(5, 5, 5).translate(40, 0, 0)
     with pytest.warns(rsym.RsymWarning, match=r"the offset is 0\.02 to 0\.03464 instead of 0\.02: edges keep"):
         rsym.offset(wide, sp.Rational(1, 50))
+
+
+@pytest.mark.slow
+def test_no_range_is_told_for_walls_that_the_lattice_cannot_see():
+    """Of the bore, whose mesh has holes in its wall, the nearest chord is on a lid: .6 for .24."""
+    bored = rsym.box(4.85, 4.3, 4.7) - rsym.cylinder(sp.Rational(3, 4), 40)
+    bodies = rsym.box(7.7, 6.95, 4.15) | bored.translate(40, 0, 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        rsym.offset(bodies.rotate(sp.Rational(5, 2), axis="x"), -sp.Rational(6, 25))
+
+
+def test_a_distance_in_letters_has_no_term_that_cancels():
+    """sin**2 + cos**2 of a turn stayed in it: 2 500 characters."""
+    r = sp.Symbol("r", real=True)
+    turned = rsym.sphere(r, (1, 2, 3), letters={r: 1}).rotate(sp.Rational(3, 2), axis="x")
+    assert len(str(rsym.offset(turned, 1).expression)) < 200
 
 
 def test_a_shell_thicker_than_the_body_is_the_body():

@@ -14,7 +14,7 @@ import sympy as sp
 import rsym
 
 FAR = 40
-SEGMENTS, HALVINGS = 1000, 60
+SEGMENTS, HALVINGS = {2: 1000, 3: 5000}, 60
 
 
 def rational(random, low, high):
@@ -132,7 +132,7 @@ class Case:
 
     def boundary(self, function):
         """Points of a boundary on random segments."""
-        count = 2 * SEGMENTS
+        count = 2 * SEGMENTS[self.dimension]
         middles = self.steps[self.random.integers(len(self.steps), size=count)]
         ends = middles + self.random.uniform(-7, 7, (count, self.dimension))
         origin = self.back(np.zeros((1, self.dimension)))

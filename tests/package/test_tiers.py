@@ -15,7 +15,8 @@ def test_battery(seed):
     pass
 
 @pytest.mark.slow
-def test_slow():
+@pytest.mark.parametrize("number", range(30))
+def test_slow(number):
     pass
 
 def test_always():
@@ -38,13 +39,18 @@ def collected(pytester, request):
 
 def test_the_tiers_share_nothing_and_lose_but_what_rotates(collected):
     quick, rest, everything = collected("--seed", "7"), collected("--seed", "7", "--rest"), collected("--everything")
-    assert len(everything) == 42
+    assert len(everything) == 71
     assert quick | rest < everything
     assert not quick & rest
     assert len(quick) == 3
-    assert len(rest) == 9
     assert "test_always" in quick
-    assert "test_slow" in rest
+    assert sum("test_battery" in name for name in rest) == 8
+
+
+def test_three_days_run_what_is_slow_once(collected):
+    days = [{name for name in collected("--rest", "--seed", str(seed)) if "slow" in name} for seed in (7, 8, 9)]
+    assert sum(map(len, days)) == len(set.union(*days)) == 30
+    assert all(days)
 
 
 def test_a_seed_repeats_and_another_rotates(collected):

@@ -161,6 +161,23 @@ def test_boxes_of_pieces_hold_them():
         assert (inner[:, 1] <= box[:, 1]).all()
 
 
+def test_the_wall_around_what_is_cut_out_is_whole():
+    wall = rsym.shell(~rsym.disc(1), 1)
+    (low, high), _ = bounds_or_extent(wall, None)
+    assert low < -2
+    assert high > 2
+    assert rsym.measure(wall).area == pytest.approx(3 * math.pi, rel=1e-9)
+    stated = rsym.disc(1).replace(bounds=((-3, 3), (-3, 3)))
+    assert rsym.shell(~stated, 1).bounds == stated.bounds
+
+
+@pytest.mark.parametrize("curve", [~rsym.disc(1), rsym.segment((0, 0), (1, 1))], ids=["outside", "curve"])
+def test_a_prism_over_what_has_no_end_has_none(curve):
+    for body in (rsym.extrude(curve, 0, 2), rsym.sweep(curve.replace(letters={A: 1}), {A: z}, 0, 2)):
+        with pytest.raises(rsym.RsymError):
+            rsym.mesh(body, 8)
+
+
 @pytest.mark.parametrize(
     ("shape", "window", "words"),
     [

@@ -9,6 +9,7 @@ from oracles.closeness import assert_close
 
 import rsym
 from rsym import conjunction, disjunction, trimming, verify_smoothness, x, y, z
+from rsym.model.functions import Softplus
 from rsym.model.nodes import expand_nodes
 from rsym.verify.cleaning import cleaned
 
@@ -35,6 +36,8 @@ CASES = {
     raw(conjunction(F, G, H)) + x**3: conjunction(conjunction(F, G), H) + x**3,
     raw(conjunction(sp.exp(x), disjunction(F, H))): conjunction(sp.exp(x), disjunction(F, H)),
     raw(conjunction(x, y)) + raw(disjunction(x**3, sp.sin(y))): conjunction(x, y) + disjunction(x**3, sp.sin(y)),
+    sp.tanh(F) * y: (1 - 2 * sp.exp(-Softplus(2 * F))) * y,
+    1 / (2 + sp.exp(F) / 3) ** 2: sp.exp(-2 * Softplus(F - sp.log(6))) / 4,
     raw(trimming(F, G)): trimming(F, G),
     raw(trimming(y, conjunction(G, H))): trimming(y, conjunction(G, H)),
 }

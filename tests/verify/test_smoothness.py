@@ -340,3 +340,23 @@ def test_progress_can_cancel():
         rsym.verify_smoothness(hard, progress=lambda done, total: seen.append((done, total)) or len(seen) < 3)
     assert [total for _, total in seen] == [1000] * 3
     assert 0 <= seen[0][0] <= seen[1][0] <= seen[2][0] < 1000
+
+
+STEEP = {
+    "tanh": sp.tanh(1000 * x),
+    "tanh, steeper": sp.tanh(10**6 * x) / 3,
+    "two steps": sp.tanh(1000 * (x - 1)) - sp.tanh(1000 * (x + 1)),
+    "logistic": 3 / (2 + 5 * sp.exp(1000 - 3000 * x)),
+}
+
+
+@pytest.mark.parametrize("height", STEEP.values(), ids=list(STEEP))
+def test_a_steep_profile_is_analytic_and_takes_no_more_boxes_than_a_flat_one(height):
+    report = rsym.verify_smoothness(rsym.Shape(y - height, (x, y), bounds=((-2, 2), (-2, 2))), budget=400)
+    assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
+
+
+def test_a_steep_profile_times_a_modulus_keeps_its_jump_of_curvature():
+    report = rsym.verify_smoothness(rsym.Shape(y - sp.tanh(1000 * x) * abs(x), (x, y), bounds=((-1, 1), (-1, 1))))
+    assert (report.verdict, report.continuity, report.defects[0].proved) == ("REFUTED", "G1", True)
+    assert report.defects[0].curvature_jump == pytest.approx(4000, rel=1e-9)

@@ -271,3 +271,26 @@ def test_the_report_says_what_is_proved():
     refuted = verify_normalisation(ELLIPSE, resolution=48)
     assert json.loads(refuted.to_json())["proved_bounds"] == [None]
     assert "not normalised to order 1" in str(refuted)
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        rsym.normalise(rsym.rectangle(2, 1)),
+        rsym.normalise(rsym.rectangle(2, 1), length=3),
+        rsym.normalise(Shape(rsym.conjunction(1 - x**2 - y**2, x - y**3), (x, y), bounds=((-2, 2), (-2, 2)))),
+    ],
+    ids=["rectangle", "length", "cubic"],
+)
+def test_what_is_normalised_as_a_whole_is_so_all_along_its_boundary_but_at_its_corners(shape):
+    report = verify_normalisation(shape, resolution=32, tolerance=0.01)
+    assert report.verdict == "CERTIFIED"
+    assert len(report.crossed)
+
+
+def test_what_was_missing_is_said_with_its_place():
+    diamond = rsym.normalise(Shape(1 - abs(x) - abs(y), (x, y)))
+    report = verify_normalisation(diamond, resolution=16)
+    assert report.verdict == "UNDECIDED"
+    assert any("two leaves cross, and that they do so once is not proved" in text for text, _ in report.statements)
+    assert "two leaves cross" in str(report)

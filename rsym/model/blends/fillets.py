@@ -32,8 +32,9 @@ def fillet(
 
     The operation in the system `Rho`. Outside a tube around the edge nothing is
     moved. What is promised, which `.expression.guarantee` says of the result
-    too, is said in the values of a and b as coordinates; where these are
-    normalised, values are distances near the faces.
+    too, is said in the values of a and b as coordinates. Of shapes these are lengths, in R_1,
+    where leaves know them: planes, slabs, discs, balls, cylinders, cones, tori, moved and scaled;
+    others are best normalised, so that values are distances near the faces.
 
     Round faces that meet and cut with the rest of the body afterwards: where a and b share a face or touch, both
     values are small along all of it, and the union bulges there. Of shapes that share a face this is measured, and an
@@ -49,7 +50,7 @@ def fillet(
     Parameters
     ----------
     a, b : shapes or expressions
-        Their faces, best normalised.
+        Their faces.
     radius : number or expression in letters
         Positive, in the unit of the operands.
     continuity : {"G1", "G2"}
@@ -86,10 +87,11 @@ def fillet(
     >>> print(corner.guarantee)
     circular fillet of radius 1 between faces at right angles: G1, curvature jumps by 1/radius where it ends
     """
-    operands = Operands.of(a, b, letters=letters)
+    given = Operands.of(a, b, letters=letters)
+    operands = given.in_lengths()
     size = positive(radius, "the radius", operands.letters)
     made = operands.combined(operation, Rho(size, continuity, _cosine(angle, degrees, operands)))
-    first, second = operands.items[:2]
+    first, second = given.items[:2]
     if isinstance(first, Shape) and isinstance(second, Shape) and _share_a_face(first, second):
         from rsym.sampling.offsets import tell_of_bulge
 

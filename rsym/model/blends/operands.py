@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import sympy as sp
@@ -13,6 +13,7 @@ from rsym.model.arguments import LetterMapping
 from rsym.model.bounding import combined
 from rsym.model.equation import combine
 from rsym.model.letters import Letters, as_letters
+from rsym.model.parallels import in_lengths
 from rsym.model.shape import Shape
 from rsym.model.systems import RSystem
 
@@ -44,6 +45,11 @@ class Operands:
             known = known.merge(item.letters) if isinstance(item, Shape) else known
         told = tuple(item.replace(letters=known) if isinstance(item, Shape) else item for item in items)
         return cls(told, known)
+
+    def in_lengths(self) -> Operands:
+        """The operands, shapes as far as their leaves know lengths."""
+        measured = tuple(in_lengths(item) if isinstance(item, Shape) else item for item in self.items)
+        return replace(self, items=measured)
 
     def combined(self, operation: str, system: RSystem, displacement: Callable[..., sp.Expr] | None = None) -> Any:
         """The operation on the first two, plus a displacement made of all."""

@@ -16,7 +16,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from rsym.arrays import Floats, Ints
+from rsym.arrays import Arrays, Floats, Ints
 from rsym.backends.interpreter import CHECK_POINTS, check_at
 from rsym.errors import RsymError
 from rsym.logic.sign_form import SignForm, cap_letters
@@ -353,7 +353,7 @@ class _AllLeaves:
     def __init__(self, kernels: Any) -> None:
         self.kernels = kernels
 
-    def run(self, coordinates: Sequence[Floats], letters: Sequence[float], outputs: Sequence[Floats]) -> None:
+    def run(self, coordinates: Sequence[Floats], letters: Sequence[float], outputs: Arrays) -> None:
         count = len(coordinates[0])
         self.kernels.set_points(letters)
         points = np.zeros((3, count + LANES))

@@ -10,4 +10,5 @@ where two of them meet.
 3. What the boundary is: `locus` of one leaf or two, `sheets` of many; `resolution`, `classes`, `folding` and
    `root_classes` of a leaf with branches.
 4. Where two sheets meet: `joints`, `touching`, `edges` (`lifting`); where omega jumps: `breaks`.
+5. Of boxes left over: `holes` says where denominators vanish, `lacking` what was missing.
 """

@@ -4,6 +4,7 @@ On f = 0 < g the R-operations that keep an order m of normalisation have the der
 that order: R_0 to the first, R_p below p, min and max to any. So omega is normalised there if f is, however near a
 corner; at f = g = 0 it has no gradient. Where the gradients of f and g are nowhere parallel on a box, the common zeros
 are a point at most in the plane, a curve in space: all other points of the boundary belong to one leaf alone.
+A composition that is normalised as a whole to order 1 has there the derivative of its leaf, normalised by itself.
 """
 
 from __future__ import annotations
@@ -15,9 +16,13 @@ import numpy as np
 import sympy as sp
 
 from rsym.analysis.contracts.table import known_compositions, promise
+from rsym.analysis.differential import derivative
 from rsym.arrays import Flags, Floats
 from rsym.logic.sign_form import Gate, Operand, through
-from rsym.model.nodes import ZeroWith
+from rsym.model.nodes import ZeroWith, without_zeros
+from rsym.model.primitives.formulas import normalised
+from rsym.model.symbols import real_symbol
+from rsym.model.vectors import squared
 from rsym.program.lowering import lower_all
 from rsym.verify.boxes.local import Model
 
@@ -46,9 +51,10 @@ def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[tuple[Gate
     found: list[sp.Expr] = []
     joined: list[tuple[str, Operand, Operand]] = []
     made: list[Operand] = []
-    stack: list[tuple[sp.Expr, int, int]] = [(known_compositions(expression), 1, 0)]
+    coordinates = [real_symbol(name) for name in model.builder.coordinates]
+    stack: list[tuple[sp.Expr, int, int, sp.Expr | None]] = [(known_compositions(expression), 1, 0, None)]
     while stack:
-        part, sign, count = stack.pop()
+        part, sign, count, length = stack.pop()
         if count:  # its operands are made
             meets = (promise(part).truth is min) == (sign > 0)
             first, *others = made[-count:]
@@ -57,18 +63,32 @@ def leaves_of(model: Model, expression: sp.Expr, order: int) -> tuple[tuple[Gate
                 first = Operand(True, len(joined) - 1)
             made[-count:] = [first]
         elif part.is_Mul and part.args[0] == -1 and len(part.args) == 2:
-            stack.append((part.args[1], -sign, 0))
+            stack.append((part.args[1], -sign, 0, length))
         elif isinstance(part, ZeroWith):
-            stack.append((part.args[1], sign, 0))
+            whole = _length(part, coordinates) if order == 1 and length is None else None
+            stack.append((part.args[1] if whole is None else part.args[0], sign, 0, whole or length))
         elif _keeps(part, order):
             operands = promise(part).operands
-            stack.append((part, sign, len(operands)))
-            stack += [(operand, sign, 0) for operand in reversed(operands)]
+            stack.append((part, sign, len(operands), None))
+            stack += [(operand, sign, 0, length) for operand in reversed(operands)]
         else:
             made.append(Operand(False, len(found)))
-            found.append(part if sign > 0 else -part)
+            leaf = without_zeros(part if sign > 0 else -part)
+            found.append(leaf if length is None else _normalised(leaf, coordinates, length))
     gates = tuple(Gate(op, *(operand.after(len(found)) for operand in operands)) for op, *operands in joined)
     return gates, lower_all(model.builder, found) if gates else [model.root]
+
+
+def _normalised(part: sp.Expr, coordinates: Sequence[sp.Symbol], length: sp.Expr) -> sp.Expr:
+    return normalised(part, squared(derivative(part, symbol) for symbol in coordinates), length)
+
+
+def _length(part: ZeroWith, coordinates: Sequence[sp.Symbol]) -> sp.Expr | None:
+    """The length with which the first operand was normalised to order 1 as a whole, if the second is that."""
+    inner, made = part.args
+    return next(
+        (one for one in (sp.S.One, made.as_coeff_Mul()[0]) if made == _normalised(inner, coordinates, one)), None
+    )
 
 
 def _keeps(part: sp.Expr, order: int) -> bool:

@@ -13,7 +13,6 @@ from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
 from rsym.logic.sign_form import Gate
 from rsym.model.equation import with_exact_letters
-from rsym.model.nodes import without_zeros
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED, DEGENERATE, REFUTED, UNDECIDED
@@ -23,6 +22,7 @@ from rsym.sampling.plane import plane_sampler
 from rsym.sampling.progress import Effort, Progress, Stages
 from rsym.sampling.smooth import smooth_mesh
 from rsym.sampling.windows import outer_bounds
+from rsym.verify.boxes.lacking import lacking
 from rsym.verify.boxes.local import Box, Model
 from rsym.verify.normalisation.cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normalisation.derivatives import NormalDerivatives
@@ -32,6 +32,7 @@ from rsym.verify.normalisation.report import NormalDerivative, NormalisationRepo
 
 SMALLEST = 2.0**-14  # of the extent: a box of this size without a bound is left uncovered
 BESIDE = 1e-6  # of a cell: lines have points on corners, from where no deviation can be followed and enclosed
+TRIED = 4  # points of the boundary, where the worst one is not proved
 WORK = 5e8  # the body of Fig. 11 takes a twentieth of it
 
 
@@ -127,6 +128,7 @@ def verify_normalisation(
     )
     worst = _worst(derivatives, points[regular & apart], cell, box)
     refuted = any(place.proved and abs(place.deviation) - place.error > tolerance for place in worst)
+    exists = any(place.proved for place in worst) or _has_point(derivatives, points[regular & apart], box)
     found, none = None, np.empty((0, len(box), 2))
     gates, leaves = ((), [derivatives]) if refuted else _leaves(shape, derivatives, order)
     if not refuted and all(map(feasible_order, leaves)):
@@ -137,7 +139,7 @@ def verify_normalisation(
         if not found.exhausted:
             singular.append(found.uncovered.mean(axis=2))
     return NormalisationReport(
-        verdict=REFUTED if refuted else _verdict(worst, found),
+        verdict=REFUTED if refuted else _verdict(worst, found, exists),
         order=order,
         tolerance=float(tolerance),
         worst=worst,
@@ -153,6 +155,7 @@ def verify_normalisation(
         statements=(
             *((remark, False) for remark in remarks),
             *([] if refuted else _statements(leaves, found)),
+            *([] if found is None else lacking(derivatives.model, _as_boxes(found.uncovered))),
             *effort.statements,
         ),
     )
@@ -180,7 +183,7 @@ def _leaves(
     shape: Shape, derivatives: NormalDerivatives, order: int
 ) -> tuple[tuple[Gate, ...], list[NormalDerivatives]]:
     """How leaves make up omega to an order, and the derivatives of each occurrence of a leaf."""
-    gates, nodes = leaves_of(derivatives.model, without_zeros(shape.expression), order)
+    gates, nodes = leaves_of(derivatives.model, shape.expression, order)
     made = {node: NormalDerivatives(derivatives.model, order, node) for node in set(nodes) - {derivatives.root}}
     return gates, [made.get(node, derivatives) for node in nodes]
 
@@ -222,14 +225,20 @@ def _worst(
     return tuple(enclosed(derivatives, list(place), k, bounds) for k, place in enumerate(places))
 
 
-def _verdict(worst: Sequence[NormalDerivative], found: NormalCover | None) -> str:
+def _has_point(derivatives: NormalDerivatives, points: NDArray[np.float64], bounds: Box) -> bool:
+    """Whether a point of the boundary is proved, by some of those found: the worst one may be next to a corner."""
+    some = points[:: max(1, len(points) // TRIED)]
+    return any(enclosed(derivatives, point.tolist(), 0, bounds).proved for point in some)
+
+
+def _verdict(worst: Sequence[NormalDerivative], found: NormalCover | None, exists: bool) -> str:
     """The strongest word that the evidence bears: that there is no boundary is proved by boxes, not by samples."""
     if found is not None and not (found.exhausted or len(found.covered) or len(found.uncovered)):
         return DEGENERATE
     if not worst:
         return UNDECIDED
     complete = found is not None and not len(found.uncovered) and len(found.bounds) == len(worst)
-    return CERTIFIED if complete and any(place.proved for place in worst) else UNDECIDED
+    return CERTIFIED if complete and exists else UNDECIDED
 
 
 def _statements(leaves: Sequence[NormalDerivatives], found: NormalCover | None) -> list[tuple[str, bool]]:
@@ -246,6 +255,10 @@ def _statements(leaves: Sequence[NormalDerivatives], found: NormalCover | None) 
     if not found.exhausted and not len(found.covered) and not len(found.uncovered):
         result.append(("omega has no zero within the bounds", True))
     return result
+
+
+def _as_boxes(array: NDArray[np.float64]) -> list[Box]:
+    return [tuple((low, high) for low, high in box) for box in array.tolist()]
 
 
 def _proved(found: NormalCover | None, order: int) -> tuple[float, ...]:

@@ -9,11 +9,11 @@ from rsym.bounds.balls import ctx
 from rsym.program.operations import LOGICAL
 from rsym.reports.numbers import short
 from rsym.verify.boxes.generators import generators
+from rsym.verify.boxes.holes import LONGEST, some_of
 from rsym.verify.boxes.local import PRECISION, Box, Local, Model
 from rsym.verify.boxes.polynomials import polynomial_of
 from rsym.verify.boxes.sheets import sheets
 from rsym.verify.boxes.touching import related
-from rsym.verify.holes import LONGEST, some_of
 
 TOLD = 4  # sentences
 LONG = 50  # sides of a box: what hangs on boxes farther apart is no point
