@@ -224,7 +224,7 @@ def replaced(builder: Builder, number: int, substitutes: Mapping[int, int], *, w
             assert isinstance(data, int)
             made[part] = builder.powi(inner[0], data)
         elif operation in _OWN:
-            made[part] = getattr(builder, operation)(*inner)
+            made[part] = getattr(builder, "step" if part in builder.steps else operation)(*inner)
         else:
             made[part] = builder.make(operation, *inner, data=data)
     return made[number]

@@ -231,6 +231,14 @@ def test_no_points_are_drawn_where_a_body_ends_with_its_domain():
     assert (drawn.points[:, 0] > 1e-9).all()
 
 
+def test_conditions_within_conditions_stay_conditions():
+    """Two decide each other: what one of them leaves of the other jumps as before. 5.69 for 4.71."""
+    disc = sp.Rational(3, 2) - x**2 - y**2
+    decided = sp.Piecewise((y**2 + 3, sp.And(x > sp.Rational(1, 4), disc > 0)), (-1, disc <= 0), (2, True))
+    found = rsym.measure(Shape(decided, (x, y), bounds=((-2, 2), (-2, 2))))
+    assert_close(found.area, 1.5 * np.pi, rtol=1e-12)
+
+
 def test_a_jump_that_shows_on_a_hundredth_of_its_condition_is_one():
     """No segment meets it: the difference of the sides is 0 but where sin(y) is nearly 1."""
     bump = sp.Max(0, sp.sin(y) - sp.Rational(99999, 100000))
