@@ -10,8 +10,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from functools import partial
 
-from rsym.logic.sign_form import SignForm, sign_form, through
+from rsym.logic.domains import replaced
+from rsym.logic.sign_form import Gate, SignForm, gate_of, sign_form, through
+from rsym.logic.steps import chosen_gate, is_partial
+from rsym.logic.stripping import sign_gate
+from rsym.model.recent import recently
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder
 from rsym.program.program import live
@@ -20,6 +25,7 @@ TURNED = {"min": "max", "max": "min"}
 CHOICES = {*TURNED, "abs"}
 # Of so few choices in a leaf, as of so few gates, all is evaluated everywhere; they also keep the surface they had.
 FEW = 64
+MOST_FOLDS = 6  # in a leaf that is split in two by each
 # So many times the choices of a leaf may be made on the way: absolute values within each other double them.
 GROWTH = 32
 
@@ -43,6 +49,77 @@ def opened(form: SignForm) -> SignForm:
         return form
     made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
     return replace(sign_form(builder, made[-1]), parameters=form.parameters)
+
+
+@recently(16)
+def unfolded(form: SignForm) -> SignForm:
+    """The form with the choices in its leaves as gates, as long as it stays small: where they change are corners.
+
+    Those within products and powers become two leaves with their condition, as steps are (`logic.steps`): that is a
+    fold, and no zero of the form is there. Leaves that end at walls stay as they are, and choices of which a side has
+    no value beyond its condition.
+
+    Examples
+    --------
+    >>> import rsym, sympy as sp
+    >>> from rsym import x, y
+    >>> from rsym.logic.sign_form import shape_form
+    >>> forms = [unfolded(shape_form(rsym.Shape(omega, (x, y)))) for omega in (1 - abs(x) - abs(y), 1 + abs(x) * y)]
+    >>> [(len(form.leaves), len(form.folds)) for form in forms]
+    [(4, 0), (4, 2)]
+    """
+    builder = form.builder
+    unfolding = _Unfolding(builder)
+    made = [unfolding.of(leaf) for leaf in form.leaves]
+    if tuple(made) == form.leaves:
+        return form
+    found = sign_form(builder, through(form.gates, made, partial(_joined, builder))[-1])
+    if len(found.leaves) > FEW:
+        return form
+    faces = {leaf for node in unfolding.faces for leaf in sign_form(builder, node).leaves}
+    folds = tuple(number for number, leaf in enumerate(found.leaves) if leaf not in faces)
+    return replace(found, parameters=form.parameters, folds=folds)
+
+
+def _joined(builder: Builder, gate: Gate, one: int, other: int) -> int:
+    return sign_gate(builder, gate.operation, one, other)
+
+
+class _Unfolding:
+    """What leaves become, and all `faces` that they end in."""
+
+    def __init__(self, builder: Builder) -> None:
+        self.builder, self.faces = builder, list[int]()
+        self._ended = {leaf for wall, ends in builder.walls.items() for leaf in (wall, *ends)}
+
+    def of(self, leaf: int) -> int:
+        """A leaf as gates of leaves without choices."""
+        builder = self.builder
+        node = leaf if leaf in self._ended or len(self.faces) > FEW else lifted(builder, leaf, 0)
+        if gate_of(builder.nodes[node].operation):
+            form = sign_form(builder, node)
+            return through(form.gates, [self.of(part) for part in form.leaves], partial(_joined, builder))[-1]
+        found = None if leaf in self._ended or choices_in(builder, node) > MOST_FOLDS else self._first_fold(node)
+        if found is None:
+            self.faces.append(node)
+            return node
+        condition, *values = found
+        sides = [self.of(value) for value in values]
+        return chosen_gate(builder, (condition, builder.neg(condition)), sides)
+
+    def _first_fold(self, node: int) -> tuple[int, int, int] | None:
+        """The first condition on which a choice in a node depends, and the node where it holds and where not."""
+        builder = self.builder
+        for part in live(builder.nodes, [node]):
+            operation, arguments, _ = builder.nodes[part]
+            if builder.uniform[part] or operation not in {*CHOICES, "select"}:
+                continue
+            condition = arguments[0] if operation == "abs" else builder.sub(*arguments[:2])
+            chosen = (arguments[0], builder.neg(arguments[0])) if operation == "abs" else arguments[-2:]
+            sides = [replaced(builder, node, {part: side}) for side in chosen[:: -1 if operation == "min" else 1]]
+            if not is_partial(builder, *sides):
+                return condition, sides[0], sides[1]
+        return None
 
 
 def origins(form: SignForm, made: Sequence[int], leaves: Sequence[int]) -> list[int]:

@@ -110,6 +110,8 @@ class SignForm:
         The parameters of the R-operations that became gates, which must be legal for the form to hold.
     caps : int
         How many of the last leaves are sides of the bounds.
+    folds : tuple of int
+        The numbers of the leaves that only say which of others counts: no zero of omega is there but of these.
     """
 
     builder: Builder = field(repr=False)
@@ -117,6 +119,7 @@ class SignForm:
     gates: tuple[Gate, ...]
     parameters: tuple[tuple[str, int], ...] = ()
     caps: int = 0
+    folds: tuple[int, ...] = ()
 
     @property
     def value(self) -> int:

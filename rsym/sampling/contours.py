@@ -305,11 +305,17 @@ TURN = 0.5
 def turns(sampler: PlaneSampler, lines: Sequence[Floats]) -> int:
     """How many neighbours along lines have a corner of the field between them, which the chord cuts off."""
     every = np.concatenate([*lines, np.empty((0, 2))])
-    (u, v) = sampler.value_and_gradient(every)[1].T
+    turned = bends(sampler.value_and_gradient(every)[1])
+    line = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
+    return int(np.count_nonzero(turned & (line[:-1] == line[1:])))
+
+
+def bends(gradients: Floats) -> Flags:
+    """Between which neighbours of gradients (n, 2) there is a corner."""
+    (u, v) = gradients.T
     with np.errstate(invalid="ignore"):
         angle = np.abs(np.arctan2(u[:-1] * v[1:] - v[:-1] * u[1:], u[:-1] * u[1:] + v[:-1] * v[1:]))
-    line = np.repeat(np.arange(len(lines)), [len(line) for line in lines])
-    return int(np.count_nonzero((angle > TURN) & (line[:-1] == line[1:])))
+    return np.asarray(angle > TURN)
 
 
 # What is beyond the bounds by no more than this share of their size touches them.

@@ -86,8 +86,8 @@ def level_lines(
     LevelLines, or a tuple of them
         For each level, in the order given, a sequence of (n, 2) arrays with the region where the field exceeds the
         level to their left; ``.length``, ``.area`` and ``.to_shapely()`` measure it. At level 0, and at others of a
-        value that is a min and max (of R1), corners are exact and vertices on straight parts are left out;
-        elsewhere ``.status`` counts corners that are cut off, and the vertices that could not be moved.
+        value that is a min and max (of R1), corners are exact, but those under roots, and vertices on straight parts
+        are left out; ``.status`` counts corners that are cut off, and the vertices that could not be moved.
 
     Raises
     ------

@@ -15,7 +15,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError, warn
-from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, cropped
+from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, bends, cropped
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of, level_leaves
@@ -28,7 +28,7 @@ SMOOTH_JOINT = 1e-2
 
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
     """The lines omega = 0 of a prepared plane; what is thinner than a cell is looked for."""
-    signs = _defined(sampler.signs() if signs is None else signs)
+    signs, leaves = _defined(sampler.signs() if signs is None else signs), leaves.unfolded
     seen = seen_lines(sampler.lattice, signs, leaves)
     found = _on_leaves(sampler, leaves, signs, seen.lines)[0]
     told = {name: getattr(seen, name) for name in ("unseen", "places", "finer", "examined")}
@@ -93,7 +93,7 @@ def outline_on_edges(
     What is thinner than a cell is not looked for: all edges are of the lattice.
     """
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
-    return _on_leaves(sampler, leaves, signs, [line[::-1] for line in index_lines(_defined(signs), 0.0)])
+    return _on_leaves(sampler, leaves.unfolded, signs, [line[::-1] for line in index_lines(_defined(signs), 0.0)])
 
 
 def _defined(signs: Floats) -> Floats:
@@ -109,10 +109,13 @@ def _on_leaves(
     cell = min(sampler.lattice.spacing)
     index = np.concatenate([*found, np.empty((0, 2))])
     points = _on_edges(sampler, leaves, index)
-    distance, leaf = leaves.distance(points)
+    value, gradient, leaf = leaves.of_active(points)
+    with np.errstate(all="ignore"):
+        distance = np.abs(value) / np.linalg.norm(gradient, axis=1)
     starts = np.cumsum([0, *map(len, found)])
-    joints = np.flatnonzero(np.diff(leaf))
-    joints = joints[~np.isin(joints + 1, starts)]
+    neighbours = np.setdiff1d(np.arange(1, len(points)), starts)
+    joints = neighbours[np.diff(leaf)[neighbours - 1] != 0] - 1
+    bent = bends(gradient)[neighbours - 1] & np.isin(leaf, leaves.kinked)[neighbours]
     corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1]), cell)
     places = joints[corners.joint] + 1
     ends = starts + np.searchsorted(places, starts)
@@ -131,7 +134,7 @@ def _on_leaves(
         undefined_samples=int(np.isnan(signs).sum()),
         closed=closed,
         open=len(lines) - closed,
-        unresolved_corners=corners.missed,
+        unresolved_corners=corners.missed + int(np.count_nonzero(bent & ~np.isin(neighbours - 1, joints))),
     )
     return LevelLines(lines, 0.0, "value", status), edges
 

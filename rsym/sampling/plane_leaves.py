@@ -13,8 +13,8 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.backends.registry import ready_backend
 from rsym.bounds.intervals import IntervalFunction
-from rsym.logic.lifting import FEW, lifted
-from rsym.logic.sign_form import Gate, SignForm, shape_form, sign_form, through
+from rsym.logic.lifting import unfolded
+from rsym.logic.sign_form import Gate, SignForm, has_kinks, shape_form, sign_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import real_symbol
@@ -112,7 +112,8 @@ class PlaneLeaves:
     def crossing_over(self, low: Floats, high: Floats) -> tuple[Ints, Ints]:
         """The two leaves that alone matter in a box, if they cross there at one point at most; else -1."""
         box, leaf = self._mattering(low, high)
-        count = len(self._zeros)
+        count, real = len(self._zeros), ~np.isin(leaf, self.form.folds)
+        box, leaf = box[real], leaf[real]
         box, leaf = np.divmod(np.unique(box * count + self._zeros[leaf]), count)
         both = np.flatnonzero(np.bincount(box, minlength=len(low)) == 2)
         first = np.searchsorted(box, both)
@@ -223,6 +224,12 @@ class PlaneLeaves:
         return repeated(step, points, NEWTON_STEPS)
 
     @cached_property
+    def unfolded(self) -> PlaneLeaves:
+        """The same with the choices within leaves as gates: leaves without corners of their own, by other numbers."""
+        form = self.form if self._large is not None else unfolded(self.form)
+        return self if form is self.form else replace(self, form=form, flat=()).at(self.fixed)
+
+    @cached_property
     def _zeros(self) -> Ints:
         """Of each leaf the first that is zero where it is: itself, or what it is the negative of."""
         form = self.form if self._large is None else self._large.kernels.form
@@ -234,6 +241,12 @@ class PlaneLeaves:
     def walls(self) -> Ints:
         """The leaves that are ends of domains: no zero of omega is there."""
         return np.array(sorted(self.form.walls), np.int64)
+
+    @cached_property
+    def kinked(self) -> list[int]:
+        """The leaves that may have corners of their own, as far as that is known."""
+        few = () if self._large is not None else self.form.leaves
+        return [number for number, leaf in enumerate(few) if has_kinks(self.form.builder, leaf)]
 
     @cached_property
     def limits(self) -> dict[tuple[int, int], int]:
@@ -383,11 +396,5 @@ def _lowered(shape: Shape) -> Shape:
 @recently(16)
 def _lifted_form(shape: Shape) -> SignForm | None:
     builder = shape_form(shape).builder
-    form = sign_form(builder, lower(builder, shape.expression))
-    while len(form.leaves) <= FEW:  # of a sum one side comes to the top at a time
-        leaves = [lifted(builder, leaf, 0) for leaf in form.leaves]
-        if tuple(leaves) == form.leaves:
-            break
-        made = through(form.gates, leaves, lambda gate, one, other: builder.make(gate.operation, one, other))
-        form = sign_form(builder, made[-1])
+    form = unfolded(sign_form(builder, lower(builder, shape.expression)))
     return form if len(form.leaves) > 1 else None

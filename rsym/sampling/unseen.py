@@ -277,10 +277,10 @@ def _look_at(
     unseen = np.asarray((_hidden(high, cells, beyond) | beyond_chords(high, beyond) | doubtful) & known & wild)
     unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
     if beyond >= PARTS:
-        tips = unseen.copy()
-        tips[unseen] = _ends(leaves, lattice, cells.first[unseen])
+        tips, ends = unseen.copy(), unseen.copy()
+        tips[unseen], ends[unseen] = _tips_around(leaves, lattice, cells.first[unseen])
         # The very point of a tip is where no sample is, beside the last that shows it.
-        unseen &= ~(tips & grown(tips & ~doubtful, cells.first))
+        unseen &= ~(ends | (tips & grown(tips & ~doubtful, cells.first)))
     cut = np.asarray(grown(unseen, cells.first))
     must = numbers_of(cells.first, forced)
     cut[must[must >= 0]] = True
@@ -329,15 +329,16 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
     return tips
 
 
-def _ends(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
-    """Of which cells, if they are few, either side is one piece in those around: they hold the end of a tip."""
+def _tips_around(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> tuple[Flags, Flags]:
+    """Of which cells, if they are few, either side is one piece in those around; of which one comes and ends there."""
     if not 0 < len(first) <= FEW:
-        return np.zeros(len(first), np.bool_)
+        return (np.zeros(len(first), np.bool_),) * 2
     count = (2 * AROUND_ENDS + 1) * PARTS + 1
     inside = np.indices((count, count)).reshape(2, -1).T / PARTS - AROUND_ENDS
-    points = lattice.points((first[:, None] + inside).reshape(-1, 2))
-    high = np.asarray(leaves.active(points)[0].reshape(-1, count, count) >= 0)
-    return np.asarray((pieces(high) == 1) & (pieces(~high) == 1))
+    high = leaves.active(lattice.points((first[:, None] + inside).reshape(-1, 2)))[0].reshape(-1, count, count) >= 0
+    borders = [np.stack([side[:, 0], side[:, -1], side[:, :, 0], side[:, :, -1]]).any(axis=2) for side in (high, ~high)]
+    tips = np.asarray((pieces(high) == 1) & (pieces(~high) == 1))
+    return tips, tips & (np.count_nonzero(borders, axis=1) == 1).any(axis=0)
 
 
 def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags, wild: Flags) -> Flags:

@@ -159,7 +159,32 @@ def test_sums_of_absolute_values_have_their_corners_at_other_levels():
     np.testing.assert_allclose(sorted(line[:-1].tolist()), [[-0.7, 0], [0, -0.7], [0, 0.7], [0.7, 0]], atol=1e-12)
 
 
-def test_corners_that_are_cut_off_are_counted():
-    cubed = rsym.Shape(sp.Min(1 - x, 1 + x, 1 - y, 1 + y) ** 3, (x, y), bounds=((-2, 2), (-2, 2)))
-    assert rsym.level_lines(cubed, 0.3, resolution=50).status.unresolved_corners == 4
+CORNERED = {
+    "diamond": (1 - abs(x) - abs(y), 2),
+    "square": (1 - sp.Max(abs(x), abs(y)), 4),
+    "diamond turned": (1 - abs(3 * x + 4 * y) / 5 - abs(4 * x - 3 * y) / 5, 2),
+    "square turned": (1 - sp.Max(abs(3 * x + 4 * y), abs(4 * x - 3 * y)) / 5, 4),
+    "octagon": (sp.Rational(3, 2) - sp.Max(abs(x), abs(y)) - abs(x) / 2 - abs(y) / 2, 3),
+    "within each other": (1 - abs(abs(x) - sp.Rational(1, 2)) - abs(y), 3.5),
+    "relu": (1 - sum(sp.Max(side, 0) for side in (x, y, -x, -y)), 2),
+    "piecewise": (1 - sp.Piecewise((x, x > 0), (-2 * x, True)) - abs(y), 1.5),
+    "in a power": (1 - sp.Max(abs(x), abs(y)) ** 3, 4),
+    "in a product": ((2 + x**2) * (1 - abs(x)) - (2 + x**2) * abs(y), 2),
+}
+
+
+@pytest.mark.parametrize("name", CORNERED)
+def test_corners_within_a_leaf_are_exact(name):
+    omega, area = CORNERED[name]
+    shape = rsym.Shape(omega, (x, y), bounds=((-2, 2), (-2, 2)))
+    for resolution in (37, 64):
+        lines = rsym.level_lines(shape, resolution=resolution)
+        assert lines.area == pytest.approx(area, rel=1e-12)
+        assert not lines.status.unresolved_corners
+
+
+@pytest.mark.parametrize("level", [0, 0.3])
+def test_corners_that_are_cut_off_are_counted(level):
+    rooted = rsym.Shape(1 - sp.sqrt(abs(x) + y**2), (x, y), bounds=((-2, 2), (-2, 2)))
+    assert rsym.level_lines(rooted, level, resolution=50).status.unresolved_corners == 2
     assert rsym.level_lines(rsym.disc(1), 0.3, resolution=50).status.unresolved_corners == 0

@@ -36,7 +36,7 @@ def test_a_sharp_tip_is_no_doubt():
     assert (lines.status.unseen, lines.status.unresolved_corners) == (0, 0)
 
 
-@pytest.mark.parametrize("resolution", [16, 200, 256])
+@pytest.mark.parametrize("resolution", [16, 56, 166, 256, 286])
 def test_a_tip_within_one_leaf_is_no_doubt(resolution):
     assert lines_of(rsym.paper.skeleton_body(), resolution).status.unseen == 0
 
