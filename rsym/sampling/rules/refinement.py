@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Flags, Floats
 from rsym.errors import warn
 from rsym.sampling.rules.deadlines import OutOfTime
-from rsym.sampling.rules.portions import RulePortion, boxed_portion, rule_portion
+from rsym.sampling.rules.portions import CellGrid, RulePortion, boxed_portion, rule_portion
 from rsym.sampling.rules.quadrature import Prepared, grading
 
 TOLERANCE = {2: 1e-12, 3: 1e-10}
@@ -167,17 +167,12 @@ def refined(
     count, highest = CELLS[dimension] if cells is None else cells, order if dimension == 2 else max(1, order // 2)
     points, spacing = 0, count * highest
     nothing = rule_portion(shape.functions, shape.grid(count), np.arange(0), highest, towards)
-    boxes = quantities(nothing)
-    boxes = replace(boxes, unresolved=np.full_like(boxes.values, np.inf))
-    if until < math.inf:
-        now = time.monotonic()
-        boxes = quantities(boxed_portion(shape.functions, shape.grid(count), now + AT_FIRST * max(0.0, until - now)))
-    found = Refined(boxes, boxes.values, count, 1, np.zeros_like(boxes.values))
+    found = _boxed(shape, quantities, shape.grid(count), quantities(nothing), until)
     try:
         sums, points = summed()
         before = earlier = np.full_like(sums.values, np.nan)
-        apart = np.abs(sums.values - boxes.values)
-        found = Refined(replace(sums, unresolved=boxes.unresolved), before, count, highest, apart)
+        apart, unresolved = np.abs(sums.values - found.found.values), found.found.unresolved
+        found = Refined(replace(sums, unresolved=unresolved), before, count, highest, apart)
         shape.warn_of_cuts(shape.owner[sorted(met)])
         while True:
             first, earlier, before, along = earlier, before, sums.values, count * highest
@@ -202,13 +197,27 @@ def refined(
             if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
                 return told(found, points, least)
     except OutOfTime:
-        if not np.isinf(found.errors).any():
-            return told(found, points, least)
-        warn(
-            "the time was up before two rules were made: of what is inside is known what boxes tell, of the boundary "
-            "nothing; timeout= may give more"
-        )
-        return found
+        return _out_of_time(found, points, least)
+
+
+def _out_of_time(found: Refined, points: int, least: float) -> Refined:
+    """What is known when the time is up."""
+    if not np.isinf(found.errors).any():
+        return told(found, points, least)
+    warn(
+        "the time was up before two rules were made: of what is inside is known what boxes tell, of the boundary "
+        "nothing; timeout= may give more"
+    )
+    return found
+
+
+def _boxed(shape: Prepared, quantities: Quantities, grid: CellGrid, nothing: Sums, until: float) -> Refined:
+    """What boxes tell where the time is short, else nothing."""
+    sums = replace(nothing, unresolved=np.full_like(nothing.values, np.inf))
+    if until < math.inf:
+        now = time.monotonic()
+        sums = quantities(boxed_portion(shape.functions, grid, now + AT_FIRST * max(0.0, until - now)))
+    return Refined(sums, sums.values, max(grid.counts), 1, np.zeros_like(sums.values))
 
 
 def told(found: Refined, points: int, least: float) -> Refined:
