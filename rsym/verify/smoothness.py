@@ -171,6 +171,7 @@ def quick_report(
     effort: Effort | None = None,
 ) -> SmoothnessReport | BodyReport:
     """The report with a bound of the curvature on which only so many boxes are spent, in the plane."""
+    shape, letters = with_exact_letters(shape, letters)
     if _in_space(shape, "auto"):
         study = studied_in_space(shape, bounds, letters, SMALLEST, budget * BODY_BUDGET // BUDGET, effort)
         return report_body(study, sharpened=sharpening > 0)

@@ -134,6 +134,16 @@ def test_proofs_take_letters_as_the_numbers_that_they_are(expression, value):
     )
 
 
+def test_what_asks_for_verdicts_takes_windows_and_letters_exactly():
+    corner = rsym.loads("bounds x [-1, 0.6] y [-1, 1]; omega = rfAND(0.6 - x, y)")
+    assert rsym.repair(corner, moves=["rho"], radius=0.1).needed
+    b, c = sp.symbols("b c", real=True)
+    line = b * c * y - (A**2 - 2) * 10**17 * abs(x)
+    shape = rsym.Shape(line, (x, y), letters={A: sp.sqrt(2), b: 1, c: 1}, bounds=((-2, 2), (-2, 2)))
+    atlas = rsym.smoothness_atlas(shape, b, c, between=((1, 2), (1, 2)), tolerance=0.5, budget=1, sharpening=0)
+    assert atlas.verdict_at(1.5, 1.5) == "CERTIFIED"
+
+
 def test_a_window_over_ranges_of_letters_holds_the_body_at_all_of_them():
     """The disc is at the origin at both ends and in the middle, and 1.5396 away between."""
     disc = rsym.disc(1, (16 * A * (1 - A) * (1 - 2 * A), 0), letters={A: 0})

@@ -94,7 +94,10 @@ def rule_portion(
     for pieces in _at_once(cut):
         require_time(until)
         orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
-        rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, orders)
+        if functions.dimension == 2:
+            rule, part = plane_rule(functions, pieces, orders)
+        else:
+            rule, part = space_rule(functions, pieces, orders, near.falling)
         rules.append(rule)
         unresolved += part
     rule = rules_together(rules)

@@ -10,6 +10,7 @@ import numpy as np
 from rsym.arrays import Floats
 from rsym.bounds.enclosures import Range, ranges_of
 from rsym.errors import RsymError
+from rsym.model.equation import with_exact_letters
 from rsym.model.shape import Shape
 from rsym.reports.document import CERTIFIED
 from rsym.sampling.progress import Effort, Progress
@@ -96,6 +97,9 @@ def smoothness_atlas(
     True
     """
     names = _names(shape, letter_a, letter_b, letters)
+    first, second = (float(shape.letters[name].default) for name in names)
+    shape, letters = with_exact_letters(shape, {**(letters or {}), names[0]: first, names[1]: second})
+    letters = {name: value for name, value in letters.items() if name not in names}
     _check(tolerance, budget, between)
     effort = Effort(timeout=timeout)
     region = (inward(*range_of(shape, names[0], between[0])), inward(*range_of(shape, names[1], between[1])))
@@ -121,7 +125,7 @@ def smoothness_atlas(
         curvature_bounds=np.array([part.bound for part in parts]),
         thresholds=thresholds_of(rectangles, verdicts, names),
         curvature=_curvatures(judge, region, parts, ranges),
-        defaults=(float(shape.letters[names[0]].default), float(shape.letters[names[1]].default)),
+        defaults=(first, second),
         fixed={name: (float(low), float(high)) for name, (low, high) in ranges.items()},
         judged=len(judged),
     )

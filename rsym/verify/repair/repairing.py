@@ -145,7 +145,9 @@ def _fixed(shape: Shape, bounds: Any, letters: Mapping[Any, Any] | None) -> Shap
             raise RsymError(
                 f"the letter {name} has a range; repair takes numbers", code="range", remedy="vary=[...] names letters"
             )
-    return shape.replace(bounds=bounds_or_extent(shape, bounds, letters)).with_letters(letters or {})
+    stated = bounds is None and shape.bounds is not None  # as exact numbers
+    window = shape if stated else shape.replace(bounds=bounds_or_extent(shape, bounds, letters))
+    return window.with_letters(letters or {})
 
 
 def _request(
