@@ -16,6 +16,7 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.bases import BOTH, plane_rule
 from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, rules_together, tensor_rules
 from rsym.sampling.rules.curves import Risers, along, coincide, heights_between, placed
+from rsym.sampling.rules.deadlines import require_time
 from rsym.sampling.rules.division import (
     INSIDE,
     LEAST,
@@ -36,11 +37,12 @@ SMALL = 0.3  # of the base of a piece: a quarter
 
 
 def space_rule(
-    functions: BoundedFunctions, pieces: CutPieces, orders: Ints, falling: float
+    functions: BoundedFunctions, pieces: CutPieces, orders: Ints, falling: float, until: float
 ) -> tuple[CellRule, LeftOpen]:
     """The rule on pieces in space with a height, and what is not resolved, of them and over parts of their bases.
 
-    orders : (pieces,), the points along each direction; over small parts of bases `falling` by their size.
+    orders : (pieces,), the points along each direction; over small parts of bases `falling` by their size;
+    `until` a time of the monotonic clock.
     """
 
     def lower_orders(part: CutPieces | Divided) -> Ints:
@@ -50,7 +52,7 @@ def space_rule(
         return found.astype(np.int64)
 
     columns = Columns.of(functions, pieces)
-    base = BaseFunctions.of(columns)
+    base = BaseFunctions.of(columns, until)
     found = divide(base, base.cells, LIMITS)
     rules = tensor_rules(found.lower, found.upper, found.owner, lower_orders(found))
     tall, unresolved = columns.height[1] - columns.height[0], LeftOpen()
@@ -63,6 +65,7 @@ def space_rule(
             walled = width.max(axis=0, initial=0.0) * np.bincount(parts.piece, base.walls[parts.leaf], len(parts))[some]
             unresolved += LeftOpen(float(area @ tall[own]), float(BOTH * area.sum() + walled @ tall[own]))
     flat = rules_together(rules)
+    require_time(until)
     lines = columns.lines(flat.owner, flat.points)
     walls = columns.lines(flat.edge_owner, flat.edge_points)
     kind = np.where(flat.edge_leaf < 0, LAST, BETWEEN)
@@ -110,6 +113,8 @@ class BaseFunctions:
         A slope of each leaf along the height, beyond the ends of the piece.
     walls : (n,)
         Which are faces of upright leaves.
+    until : float
+        A time of the monotonic clock.
     """
 
     columns: Columns
@@ -120,6 +125,7 @@ class BaseFunctions:
     height: Floats
     steep: Floats
     walls: Flags
+    until: float
     gates: None = None
     dimension: int = 2
 
@@ -129,7 +135,7 @@ class BaseFunctions:
         return self.columns.functions.tolerance
 
     @classmethod
-    def of(cls, columns: Columns) -> BaseFunctions:
+    def of(cls, columns: Columns, until: float) -> BaseFunctions:
         """Of the pieces of columns."""
         pieces, upright = columns.pieces, columns.upright
         remaining = np.array([[1, 2], [0, 2], [0, 1]])[pieces.axis].T
@@ -172,6 +178,7 @@ class BaseFunctions:
             np.where(top, columns.height[1, piece], columns.height[0, piece]),
             (low / 2 + high / 2)[pair],
             upright[pair[0]],
+            until,
         )
 
     def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
@@ -216,6 +223,7 @@ class BaseFunctions:
 
     def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Bounds (2, n) of functions over boxes (2, n) of the bases, and (2, 2, n) of their gradients."""
+        require_time(self.until)
         value, gradient = np.empty((2, len(leaf))), np.empty((2, 2, len(leaf)))
         face, gap = (np.flatnonzero(self.kind[leaf] == kind) for kind in (FACE, GAP))
         if len(face):
