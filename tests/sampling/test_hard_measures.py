@@ -138,6 +138,14 @@ def test_a_cone_by_its_distance_from_the_axis():
     assert holds(found.surface, math.pi * (1 + math.sqrt(2)))
 
 
+@pytest.mark.slow
+def test_a_torus_is_known_to_more_than_six_digits():
+    tube = sp.Rational(1, 4) - (sp.sqrt(x**2 + y**2) - 1) ** 2 - z**2
+    found = rsym.measure(rsym.Shape(sp.atan(9 * tube), (x, y, z)), tolerance=1e-7)
+    for value, truth in ((found.volume, math.pi**2 / 2), (found.surface, 2 * math.pi**2)):
+        assert abs(value - truth) <= value.error < 1e-6 * truth
+
+
 @pytest.mark.parametrize(("shape", "content"), [(rsym.sphere(1), 4 * math.pi / 3), (rsym.disc(2), 4 * math.pi)])
 def test_when_the_time_is_up_what_boxes_tell_is_true(shape, content):
     with pytest.warns(rsym.RsymWarning, match="the time was up"):
