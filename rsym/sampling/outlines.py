@@ -255,20 +255,21 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
 
 
 def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> Flags:
-    return (
-        _near(joints, corner, cell)
-        & leaves.meet(corner, joints.one, joints.other, cell)
-        & _bounds(leaves, [joints.before, corner, joints.after], [joints.one, joints.other], cell)
-    )
+    holds = _near(joints, corner, cell)
+    near = np.flatnonzero(holds)
+    some, here = joints.take(near), corner[near]
+    meets = leaves.meet(here, some.one, some.other, cell)
+    holds[near] = meets & _bounds(leaves, [some.before, here, some.after], [some.one, some.other], cell)
+    return holds
 
 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
     middle = (joints.before + joints.after) / 2
     ones, others = np.concatenate([joints.one, third]), np.concatenate([third, joints.other])
     first, second = np.split(leaves.common(np.tile(middle, (2, 1)), ones, others), 2)
-    # Leaves that coincide have a corner with a third one anywhere, and a line would run there and back.
     holds = _near(joints, first, cell) & _near(joints, second, cell)
-    holds &= np.linalg.norm(first - second, axis=1) > ON_LEVEL * cell
+    # Leaves that coincide have a corner with a third one anywhere, and a line would run there and back.
+    holds[holds] = np.linalg.norm(first[holds] - second[holds], axis=1) > ON_LEVEL * cell
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
     holds[near] = (
@@ -280,8 +281,8 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
 
 
 def _near(joints: Joints, points: Floats, cell: float) -> Flags:
-    near: Flags = np.linalg.norm(points - joints.before, axis=1) <= REACH * cell
-    return near
+    with np.errstate(all="ignore"):  # Newton's method may have gone anywhere
+        return np.asarray(np.linalg.norm(points - joints.before, axis=1) <= REACH * cell)
 
 
 def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], cell: float) -> Flags:

@@ -109,10 +109,9 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
     except _TooMuch:
         return SeenLines(plain, examined=False)
     lines = [line / UNIT for line in lines_through(every.sides, every.high)]
-    if len(loose) and not unseen:
-        unseen, places, size = len(loose), loose / UNIT, max(lattice.spacing) / PARTS**DEPTH
-    if not unseen:
+    if not unseen and not len(loose):
         return SeenLines(lines)
+    unseen, places = unseen + len(loose), np.concatenate([places, loose / UNIT])
     return SeenLines(lines, unseen, tuple((float(a), float(b)) for a, b in lattice.points(heaps(places))), size)
 
 
@@ -325,7 +324,8 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
     corner = leaves.common(middle, one[own], other[own])
     cell = min(lattice.spacing)
     holds = leaves.meet(corner, one[own], other[own], cell) | np.isin([one[own], other[own]], leaves.walls).any(axis=0)
-    tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & holds
+    with np.errstate(all="ignore"):
+        tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & holds
     return tips
 
 

@@ -230,9 +230,14 @@ def meshed(twins, seed):
 
 def rays(twins, seed):
     """Rays meet the same."""
-    images = [rsym.render(one.replace(bounds=twins.bounds), size=(32, 24)) for one in (twins.shape, twins.plain)]
-    if any(image.view.pixel != images[0].view.pixel for image in images):
+    framed = [rsym.render(one.replace(bounds=twins.bounds), size=(32, 24)).view for one in (twins.shape, twins.plain)]
+    if framed[0].pixel != framed[1].pixel:
         return
+    camera = rsym.Camera(target=tuple(framed[0].middle.tolist()))
+    images = [
+        rsym.render(one.replace(bounds=twins.bounds), camera=camera, size=(32, 24))
+        for one in (twins.shape, twins.plain)
+    ]
     sure = ~(images[0].undecided | images[1].undecided)
     with np.errstate(invalid="ignore"):
         unlike = sure & ~(np.abs(images[0].depth - images[1].depth) < 1e-6)

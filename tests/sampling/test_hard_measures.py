@@ -137,14 +137,36 @@ def test_a_cone_by_its_distance_from_the_axis():
     assert holds(found.surface, math.pi * (1 + math.sqrt(2)))
 
 
-def test_when_the_time_is_up_nothing_is_said_that_is_not_known():
+@pytest.mark.parametrize(("shape", "content"), [(rsym.sphere(1), 4 * math.pi / 3), (rsym.disc(2), 4 * math.pi)])
+def test_when_the_time_is_up_what_boxes_tell_is_true(shape, content):
     with pytest.warns(rsym.RsymWarning, match="the time was up"):
-        found = rsym.measure(rsym.sphere(1), timeout=1e-9)
-    assert found.volume.error == found.surface.error == math.inf
-    assert "Volume unknown, surface unknown" in str(found)
+        found = rsym.measure(shape, timeout=1e-9)
+    assert abs(found.content - content) <= found.content.error < content
+    assert all(abs(place) <= place.error for place in found.centroid)
+    assert found.boundary.error == math.inf
+    assert "unknown, estimated" in str(found)
+
+
+def test_a_time_is_a_number_above_0_and_may_be_enough():
     with pytest.raises(rsym.RsymError, match="timeout"):
         rsym.measure(rsym.sphere(1), timeout=0)
     assert holds(rsym.measure(rsym.sphere(1), timeout=1e9).volume, 4 * math.pi / 3, 1e-12)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-5])
+def test_a_tolerance_is_met_or_a_warning_tells(tolerance):
+    two = rsym.disc(1) & rsym.disc(1, (1, 0))
+    area, length, *_ = lens(1, 1, 1)
+    found = rsym.measure(two, tolerance=tolerance, order=2)
+    for value, truth in ((found.area, area), (found.length, length)):
+        assert abs(value - truth) <= value.error <= tolerance * value
+    few, many = (rsym.measure(two, tolerance=given, order=2).order for given in (1e-2, 1e-9))
+    assert few < many
+
+
+def test_cells_are_as_many_as_are_asked_for_or_a_multiple():
+    assert {rsym.measure(rsym.disc(1), cells=cells, tolerance=1e-3).cells for cells in (3, 5)} == {3, 5}
+    assert rsym.measure(rsym.sphere(1), cells=3, tolerance=1e-2).cells == 3
 
 
 # The opponent: bodies with areas and volumes in closed form, typed in ways that hide their kinks, at any place.

@@ -81,6 +81,9 @@ def test_two_leaves_on_one_surface_are_one(shape, content, boundary, order):
 
 BALL = rsym.sphere(1)
 CORNER = rsym.box(1, 1, 1) - rsym.box(0.5, 0.5, 0.5, (0.25, 0.25, 0.25))
+ALONG, ACROSS = (3 * x + 4 * y) / 5, (3 * y - 4 * x) / 5
+# A plane that touches the cylinder along a line.
+TOUCHED = rsym.Shape(sp.Min(1 - ALONG**2 - z**2, 1 - (3 * ALONG + 4 * z) / 5, 1 - ACROSS**2), (x, y, z))
 ROW = rsym.box(1, 1, 1) | rsym.box(1, 1, 1, (1, 0.25, 0.3))
 
 
@@ -90,6 +93,7 @@ ROW = rsym.box(1, 1, 1) | rsym.box(1, 1, 1, (1, 0.25, 0.3))
         (BALL - rsym.sphere(0.99), 4 * math.pi / 3 * (1 - 0.99**3), 4 * math.pi * (1 + 0.99**2), 8, 1e-7),
         # Viviani's body: a cylinder that touches the ball within.
         (BALL & rsym.cylinder(0.5, centre=(0.5, 0, 0)), 2 * math.pi / 3 - 8 / 9, 2 * math.pi, 6, 1e-4),
+        (TOUCHED, 2 * math.pi, 6 * math.pi, 4, 1e-5),
         (CORNER.rotate(0.37).rotate(0.21, x).rotate(0.53, y), 7 / 8, 6, 2, 1e-13),
         (ROW.rotate(0.37).rotate(0.21, x).rotate(0.53, y), 2, 10.95, 2, 1e-13),
     ],

@@ -7,7 +7,9 @@ import pytest
 
 import rsym
 from rsym import x, y
-from rsym.sampling.outlines import _without_beads
+from rsym.sampling.outlines import Joints, _one_corner, _without_beads
+from rsym.sampling.plane_leaves import leaves_of
+from rsym.sampling.unseen import UNIT
 
 OVAL = rsym.Shape(x**3 - x**2 - 384 * x - 2772 - y**2, (x, y), bounds=((-30, 40), (-60, 60)))
 
@@ -106,3 +108,18 @@ def test_lines_where_nothing_was_wrong_keep_their_bits(shape, monkeypatch):
     plain = lines_of(shape)
     assert [line.tobytes() for line in lines] == [line.tobytes() for line in plain]
     assert not plain.status.examined
+
+
+def test_lines_that_do_not_go_on_are_told_beside_what_is_unseen(monkeypatch):
+    monkeypatch.setattr("rsym.sampling.unseen._loose", lambda cells, lattice: np.array([[0, 0]]) * UNIT)
+    with pytest.warns(rsym.RsymWarning, match="Unresolved in"):
+        lines = lines_of(rsym.disc(1) - rsym.disc(1 - 1e-6), 16)
+    assert min(math.hypot(*place) for place in lines.status.places) < 1.1
+    assert max(math.hypot(*place) for place in lines.status.places) > 1.6
+
+
+def test_a_corner_beyond_all_numbers_is_none():
+    leaves = leaves_of(rsym.Shape(rsym.conjunction(y, y - 1 + x / 10**200), (x, y)), (0, 1), {})
+    joints = Joints(np.array([[0.0, 0.0]]), np.array([[0.0, 1.0]]), np.array([0]), np.array([1]))
+    with np.errstate(all="raise"):
+        assert not _one_corner(leaves, joints, 0.1)[1].any()

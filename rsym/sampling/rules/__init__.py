@@ -8,8 +8,8 @@ In comes a shape, out come points and weights inside and on the boundary. In the
 - `columns`, `bases`: Gauss, roots, Gauss on cut cells in the plane; `segments`: of their bases; `lines`,
   `walks`: along their heights
 - `space`: the same over the parts of a plane base; `sampled`: where nothing is proved
-- `portions`: all of it in some cells; `quadrature`: `rsym.quadrature`; `refinement`: until two rules agree;
-  `integrals`: `rsym.integrate`; `measures`: `rsym.measure`
+- `deadlines`: the time; `portions`: all of it in some cells; `quadrature`: `rsym.quadrature`; `refinement`: until
+  two rules agree; `integrals`: `rsym.integrate`; `measures`: `rsym.measure`
 - `gaps`: where a shape has gaps thinner than the cells of a rule; `sides`: which of its cells, next to each other, it
   is not joined in
 """

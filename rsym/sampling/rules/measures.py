@@ -16,7 +16,8 @@ from rsym.reports.document import Document, Sentence, Tabular
 from rsym.reports.numbers import measured
 from rsym.reports.render import Report
 from rsym.sampling.labels import labels_of
-from rsym.sampling.rules.portions import RulePortion, deadline
+from rsym.sampling.rules.deadlines import deadline
+from rsym.sampling.rules.portions import RulePortion
 from rsym.sampling.rules.quadrature import ORDER, prepared
 from rsym.sampling.rules.refinement import ROUNDING, Integral, Refined, Sums, boundary_rounding, refined
 
@@ -168,8 +169,8 @@ def measure(
     """Area or volume, length or surface, whole and by part, centroid and second moments of a shape.
 
     They are integrals by `quadrature`, so of the equation and not of facets; errors and parameters as in `integrate`.
-    After a `timeout` in seconds what is known by then is returned, with an infinite error where that is nothing; the
-    report says unknown of what is off by more than it is.
+    After a `timeout` in seconds what is known by then is returned, at least what boxes tell of the inside, with an
+    infinite error where that is nothing; the report says unknown of what is off by more than it is.
 
     Examples
     --------
@@ -236,13 +237,12 @@ def _central(
     content, off = values[0], errors[0]
     with np.errstate(invalid="ignore", divide="ignore"):  # of nothing there is no centroid
         away = values[first : first + dimension] / content
-        astray = (errors[first : first + dimension] + np.abs(away) * off) / content
+        astray = (errors[first : first + dimension] + np.abs(away) * off) / max(content - off, 0.0)
     rounded = ROUNDING * np.abs(middle)
     centre = tuple(map(Integral, (middle + away).tolist(), (astray + rounded).tolist()))
     second = {}
     for k, (i, j) in enumerate(rows, first + dimension):
-        error = (
-            errors[k] + off * abs(away[i] * away[j]) + content * (abs(away[i]) * astray[j] + abs(away[j]) * astray[i])
-        )
+        most, known = (abs(away[i]) + astray[i]) * (abs(away[j]) + astray[j]), abs(away[i] * away[j])
+        error = errors[k] + off * most + content * (most - known)
         second[i, j] = Integral(float(values[k] - content * away[i] * away[j]), float(error))
     return centre, second

@@ -6,20 +6,30 @@ import math
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Floats, Ints
-from rsym.errors import RsymError
 from rsym.sampling.rules.bases import plane_rule
 from rsym.sampling.rules.columns import CellRule, LeftOpen, rules_together, tensor_rule, tensor_rules
-from rsym.sampling.rules.division import CutPieces, Grading, Limits, close, divide, pieces_together, undivided
+from rsym.sampling.rules.deadlines import require_time
+from rsym.sampling.rules.division import (
+    INSIDE,
+    OPEN,
+    CutPieces,
+    Grading,
+    Limits,
+    close,
+    divide,
+    pieces_together,
+    undivided,
+)
 from rsym.sampling.rules.sampled import sampled_rule
 from rsym.sampling.rules.space import space_rule
 
 SAMPLED_AT_ONCE = 512  # of those of which nothing is proved
+BOXES = 2**17  # of leaves, that are looked at at once where only boxes tell
 PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
 # Sides that run along an axis but for 1e-4 lose up to 4e-12 of their length where leaves may be 3e4 times as steep, at
 # 1e3 nothing; next to cusps 2e-6 of a length is left open then, and 7e-5 at 1e3. In space the cells along a spike grow
@@ -68,8 +78,27 @@ class RulePortion:
     unresolved: LeftOpen
 
 
-class OutOfTime(Exception):
-    """The time that a rule had is up."""
+def boxed_portion(functions: Any, grid: CellGrid, until: float) -> RulePortion:
+    """What boxes alone tell by a time: all that is proved inside, and of what is left open a half; of boundary nothing.
+
+    The squares of coordinates are summed exactly on boxes, so that sums of them bound what is open.
+    """
+    cells, dimension = np.arange(math.prod(grid.counts)), functions.dimension
+    pieces = undivided(*grid.corners(cells), cells, functions.count)
+    rules: list[CellRule] = []
+    while True:
+        value, gradient = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
+        pieces = replace(pieces, gradient=gradient)
+        signs, verdict, kept = functions.judge(pieces, value)
+        full = verdict == INSIDE
+        rules.append(tensor_rule(pieces.lower[:, full], pieces.upper[:, full], pieces.owner[full], 2))
+        pieces = replace(pieces, signs=signs).chosen(verdict == OPEN, kept)
+        if not len(pieces) or len(pieces.leaf) << dimension > BOXES or time.monotonic() > until:
+            break
+        pieces = pieces.halved()
+    half = tensor_rule(pieces.lower, pieces.upper, pieces.owner, 2)
+    half = replace(half, weights=half.weights / 2)
+    return RulePortion(rules_together([*rules, half]), cells[:0], LeftOpen(float(half.weights.sum()), math.inf))
 
 
 def rule_portion(
@@ -94,7 +123,10 @@ def rule_portion(
     for pieces in _at_once(cut):
         require_time(until)
         orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
-        rule, part = (plane_rule if functions.dimension == 2 else space_rule)(functions, pieces, orders)
+        if functions.dimension == 2:
+            rule, part = plane_rule(functions, pieces, orders)
+        else:
+            rule, part = space_rule(functions, pieces, orders, near.falling, until)
         rules.append(rule)
         unresolved += part
     rule = rules_together(rules)
@@ -109,21 +141,6 @@ def rule_portion(
         points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
         rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
     return RulePortion(rule, cells[full], unresolved)
-
-
-def deadline(timeout: float | None) -> float:
-    """The time of the monotonic clock so many seconds from now; without any there is none."""
-    if timeout is None:
-        return math.inf
-    if not isinstance(timeout, Real) or not float(timeout) > 0:
-        raise RsymError(f"expected a number of seconds above 0, got timeout={timeout!r}", code="timeout")
-    return time.monotonic() + float(timeout)
-
-
-def require_time(until: float) -> None:
-    """Stop where the time is up."""
-    if until < math.inf and time.monotonic() > until:
-        raise OutOfTime
 
 
 def _few(pieces: CutPieces, most: int) -> Iterator[CutPieces]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -12,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import warn
-from rsym.sampling.rules.portions import OutOfTime, RulePortion, rule_portion
+from rsym.sampling.rules.deadlines import OutOfTime
+from rsym.sampling.rules.portions import CellGrid, RulePortion, boxed_portion, rule_portion
 from rsym.sampling.rules.quadrature import Prepared, grading
 
 TOLERANCE = {2: 1e-12, 3: 1e-10}
@@ -23,6 +25,7 @@ AT_ONCE = 2e6  # points of a portion of a rule, about
 MOST_POINTS = {2: 2e6, 3: 4e6}  # a few seconds
 FALLING = {2: 0.0, 3: 0.5}  # see `Grading`: parts of cells in space are many
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
+AT_FIRST = 0.1  # of the time that there is, for what boxes tell
 ROUNDING = 4 * np.finfo(np.float64).eps
 BOUNDARY = {2: 2e-14, 3: 1e-13}  # of lengths and surfaces, which hang on slopes: twice the worst of a hundred
 # Differences that fall no faster than this fall as a power of the points along a line: this one at worst,
@@ -133,8 +136,8 @@ def refined(
 ) -> Refined:
     """Sums over rules of rising order, then on smaller cells, until two agree; what they leave open is warned of.
 
-    When the time is up, on the monotonic clock, what two rules have told by then is returned; of one alone nothing is
-    known, and the error is infinite.
+    When the time is up, on the monotonic clock, what two rules have told by then is returned; one alone is held against
+    boxes, of which it is proved whether they are inside, and of its boundary nothing is known: the error is infinite.
     Where what is added may have `peaks` that all points of these cells miss, a rule on other and smaller cells has to
     agree too.
     """
@@ -164,11 +167,12 @@ def refined(
     count, highest = CELLS[dimension] if cells is None else cells, order if dimension == 2 else max(1, order // 2)
     points, spacing = 0, count * highest
     nothing = rule_portion(shape.functions, shape.grid(count), np.arange(0), highest, towards)
-    found = unknown(quantities(nothing), count, highest)
+    found = _boxed(shape, quantities, shape.grid(count), quantities(nothing), until)
     try:
         sums, points = summed()
         before = earlier = np.full_like(sums.values, np.nan)
-        found = unknown(sums, count, highest)
+        apart, unresolved = np.abs(sums.values - found.found.values), found.found.unresolved
+        found = Refined(replace(sums, unresolved=unresolved), before, count, highest, apart)
         shape.warn_of_cuts(shape.owner[sorted(met)])
         while True:
             first, earlier, before, along = earlier, before, sums.values, count * highest
@@ -193,10 +197,27 @@ def refined(
             if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
                 return told(found, points, least)
     except OutOfTime:
-        if not np.isinf(found.errors).any():
-            return told(found, points, least)
-        warn("an integral is not known: the time was up before two rules were made; timeout= may give more")
-        return found
+        return _out_of_time(found, points, least)
+
+
+def _out_of_time(found: Refined, points: int, least: float) -> Refined:
+    """What is known when the time is up."""
+    if not np.isinf(found.errors).any():
+        return told(found, points, least)
+    warn(
+        "the time was up before two rules were made: of what is inside is known what boxes tell, of the boundary "
+        "nothing; timeout= may give more"
+    )
+    return found
+
+
+def _boxed(shape: Prepared, quantities: Quantities, grid: CellGrid, nothing: Sums, until: float) -> Refined:
+    """What boxes tell where the time is short, else nothing."""
+    sums = replace(nothing, unresolved=np.full_like(nothing.values, np.inf))
+    if until < math.inf:
+        now = time.monotonic()
+        sums = quantities(boxed_portion(shape.functions, grid, now + AT_FIRST * max(0.0, until - now)))
+    return Refined(sums, sums.values, max(grid.counts), 1, np.zeros_like(sums.values))
 
 
 def told(found: Refined, points: int, least: float) -> Refined:
@@ -215,11 +236,6 @@ def told(found: Refined, points: int, least: float) -> Refined:
             why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
         warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
     return found
-
-
-def unknown(sums: Sums, cells: int, order: int) -> Refined:
-    """Sums that no other rule was compared with."""
-    return Refined(sums, np.full_like(sums.values, np.nan), cells, order, np.full_like(sums.values, np.inf))
 
 
 def _apart(now: Floats, before: Floats, earlier: Floats, growth: float) -> Floats:

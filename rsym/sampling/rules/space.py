@@ -16,33 +16,56 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.bases import BOTH, plane_rule
 from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, rules_together, tensor_rules
 from rsym.sampling.rules.curves import Risers, along, coincide, heights_between, placed
-from rsym.sampling.rules.division import INSIDE, OPEN, BoundedFunctions, CutPieces, Limits, divide, starts
+from rsym.sampling.rules.deadlines import require_time
+from rsym.sampling.rules.division import (
+    INSIDE,
+    LEAST,
+    OPEN,
+    BoundedFunctions,
+    CutPieces,
+    Divided,
+    Limits,
+    divide,
+    starts,
+)
 from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
 
 LIMITS = Limits(4, 40, 3.0, 64)
 FACE, GAP = 0, 1
+STEPS, INTO = 3, 5  # of Newton to a height, and of secants into a valley
 SMALL = 0.3  # of the base of a piece: a quarter
 
 
-def space_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, LeftOpen]:
+def space_rule(
+    functions: BoundedFunctions, pieces: CutPieces, orders: Ints, falling: float, until: float
+) -> tuple[CellRule, LeftOpen]:
     """The rule on pieces in space with a height, and what is not resolved, of them and over parts of their bases.
 
-    orders : (pieces,), the points along each direction.
+    orders : (pieces,), the points along each direction; over small parts of bases `falling` by their size;
+    `until` a time of the monotonic clock.
     """
+
+    def lower_orders(part: CutPieces | Divided) -> Ints:
+        halvings = np.log2((base.cells.upper - base.cells.lower)[0, part.owner] / (part.upper - part.lower)[0])
+        least = np.minimum(orders[part.owner], LEAST)
+        found: Ints = np.maximum(np.ceil(orders[part.owner] - falling * np.maximum(halvings - 1, 0)), least)
+        return found.astype(np.int64)
+
     columns = Columns.of(functions, pieces)
-    base = BaseFunctions.of(columns)
+    base = BaseFunctions.of(columns, until)
     found = divide(base, base.cells, LIMITS)
-    rules = tensor_rules(found.lower, found.upper, found.owner, orders[found.owner])
+    rules = tensor_rules(found.lower, found.upper, found.owner, lower_orders(found))
     tall, unresolved = columns.height[1] - columns.height[0], LeftOpen()
     for parts in found.cut:
         if len(parts):
-            rules.append(plane_rule(base, parts, orders[parts.owner])[0])
+            rules.append(plane_rule(base, parts, lower_orders(parts))[0])
             some = ~parts.proved
             width, own = (parts.upper - parts.lower)[:, some], parts.owner[some]
             area = np.prod(width, axis=0)
             walled = width.max(axis=0, initial=0.0) * np.bincount(parts.piece, base.walls[parts.leaf], len(parts))[some]
             unresolved += LeftOpen(float(area @ tall[own]), float(BOTH * area.sum() + walled @ tall[own]))
     flat = rules_together(rules)
+    require_time(until)
     lines = columns.lines(flat.owner, flat.points)
     walls = columns.lines(flat.edge_owner, flat.edge_points)
     kind = np.where(flat.edge_leaf < 0, LAST, BETWEEN)
@@ -90,6 +113,8 @@ class BaseFunctions:
         A slope of each leaf along the height, beyond the ends of the piece.
     walls : (n,)
         Which are faces of upright leaves.
+    until : float
+        A time of the monotonic clock.
     """
 
     columns: Columns
@@ -100,6 +125,7 @@ class BaseFunctions:
     height: Floats
     steep: Floats
     walls: Flags
+    until: float
     gates: None = None
     dimension: int = 2
 
@@ -109,7 +135,7 @@ class BaseFunctions:
         return self.columns.functions.tolerance
 
     @classmethod
-    def of(cls, columns: Columns) -> BaseFunctions:
+    def of(cls, columns: Columns, until: float) -> BaseFunctions:
         """Of the pieces of columns."""
         pieces, upright = columns.pieces, columns.upright
         remaining = np.array([[1, 2], [0, 2], [0, 1]])[pieces.axis].T
@@ -152,6 +178,7 @@ class BaseFunctions:
             np.where(top, columns.height[1, piece], columns.height[0, piece]),
             (low / 2 + high / 2)[pair],
             upright[pair[0]],
+            until,
         )
 
     def judge(self, pieces: CutPieces, value: Floats) -> tuple[Any, Ints, Flags]:
@@ -196,6 +223,7 @@ class BaseFunctions:
 
     def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
         """Bounds (2, n) of functions over boxes (2, n) of the bases, and (2, 2, n) of their gradients."""
+        require_time(self.until)
         value, gradient = np.empty((2, len(leaf))), np.empty((2, 2, len(leaf)))
         face, gap = (np.flatnonzero(self.kind[leaf] == kind) for kind in (FACE, GAP))
         if len(face):
@@ -213,6 +241,10 @@ class BaseFunctions:
             reach = (np.abs(bounds).max(axis=1) * half).sum(axis=0)
             small = 2 * half.max(axis=0) < SMALL * self._size(leaf[gap])
             value[:, gap] = self._beside(leaf[gap], middle, half, between, slope, reach, small)
+            some = np.flatnonzero((value[0, gap] < -self.tolerance) & (value[1, gap] > self.tolerance) & small)
+            with np.errstate(all="ignore"):
+                above, below = self._touching(leaf[gap[some]], middle[:, some], half[:, some])
+                value[0, gap[some[above]]], value[1, gap[some[below]]] = 0.0, 0.0
             value[:, gap[(absent | missing) & small]] = np.inf  # what is not in the piece meets nothing there
             gradient[:, :, gap] = bounds
         return value, gradient
@@ -241,6 +273,55 @@ class BaseFunctions:
             least = ((np.abs(slope[:, some]) + turned) * half[:, some]).sum(axis=0)
             found[:, some] = value[some] - np.minimum(reach[some], least), value[some] + np.minimum(reach[some], least)
         return found
+
+    def _touching(self, which: Ints, middle: Floats, half: Floats) -> tuple[Flags, Flags]:
+        """Of which gaps over boxes it is seen that they are not below 0, or not above it, though they may reach it.
+
+        Where leaves touch along a curve a gap is a valley whose bottom is at 0. The way there is along the larger
+        curvature, which is a difference of slopes; it is gone from three places, beyond the ends of the piece too.
+        """
+        corner = np.array([[-1, -1, 1, 1], [-1, 1, -1, 1]])[:, :, None] * half[:, None]
+        start = np.stack([self._heights(k, which, middle)[0] for k in (0, 1)])
+        around, turned = self._followed(np.tile(which, 4), (middle[:, None] + corner).reshape(2, -1), np.tile(start, 4))
+        gap, turned = (around[0] - around[1]).reshape(4, -1), (turned[:, 0] - turned[:, 1]).reshape(2, 4, -1)
+        sign = np.where(gap.sum(axis=0) > 0, 1.0, -1.0)
+        known = SAME * self.tolerance * np.maximum(1 / np.abs(self.steep[:, which]).min(axis=0), 1.0)
+        first, second = turned[:, 2:] - turned[:, :2], turned[:, 1::2] - turned[:, ::2]
+        bends = sign * np.stack([first.mean(axis=1) / (2 * half[0]), second.mean(axis=1) / (2 * half[1])], axis=1)
+        mean, apart, mixed = bends[0, 0] + bends[1, 1], bends[0, 0] - bends[1, 1], bends[0, 1] + bends[1, 0]
+        bend, angle = (mean + np.hypot(apart, mixed)) / 2, np.arctan2(mixed, apart) / 2
+        into, reach = np.stack([np.cos(angle), np.sin(angle)]), half.max(axis=0)
+        touch = (sign * gap >= -known).all(axis=0) & (np.abs(gap).max(axis=0) <= 8 * bend * reach**2)
+        some = np.flatnonzero(touch)
+        if len(some):
+            every = np.tile(some, 3)
+            down, far = into[:, every], reach[every]
+            at = middle[:, every] + np.repeat([-0.5, 0.0, 0.5], len(some)) * far * np.stack([-down[1], down[0]])
+            height, slopes = self._followed(which[every], at, start[:, every])
+            slide, steep = sign[every] * ((slopes[:, 0] - slopes[:, 1]) * down).sum(axis=0), bend[every]
+            for _ in range(INTO):
+                step = np.clip(slide / steep, -2 * far, 2 * far)
+                at = at - step * down
+                height, slopes = self._followed(which[every], at, height)
+                before, slide = slide, sign[every] * ((slopes[:, 0] - slopes[:, 1]) * down).sum(axis=0)
+                steep = np.where((before - slide) / step > 0, (before - slide) / step, steep)
+            depth = np.abs(height[0] - height[1]).reshape(3, -1)
+            touch[some] = (depth <= known[some]).all(axis=0)
+        return touch & (sign > 0), touch & (sign < 0)
+
+    def _followed(self, which: Ints, base: Floats, height: Floats) -> tuple[Floats, Floats]:
+        """The heights (2, n) of both leaves of gaps over places of the base, from some nearby, and slopes (2, 2, n)."""
+        axis, leaf, base = (
+            np.tile(self.columns.pieces.axis[self.piece[which]], 2),
+            self.leaf[:, which].ravel(),
+            np.tile(base, 2),
+        )
+        at = height.ravel()
+        for _ in range(STEPS):
+            value, gradient = self.columns.functions.evaluate(leaf, placed(axis, base, at))
+            at = at - value / along(gradient, axis)
+        slopes = -across(gradient, axis) / along(gradient, axis)
+        return at.reshape(2, -1), slopes.reshape(2, 2, -1)
 
     def _climbs(self, number: int, which: Ints, lower: Floats, upper: Floats, half: Floats) -> tuple[Floats, Flags]:
         """Bounds (2, 2, n) of the gradients of the heights of the leaves of gaps over boxes, and which are not there.
