@@ -5,9 +5,10 @@ with a choice c = max(a, b) somewhere inside is where a > b the leaf with a for 
 
     max(min(a - b, f), min(b - a, g), min(f, g)),
 
-the last so that it is positive on a = b where both are. The outermost choice is opened first, and what it decides is
-remembered: where max(u, v) < 0 so are u and v. The distance of a box, sqrt(max(u, 0)**2 + max(v, 0)**2) +
-min(max(u, v), 0) with u = |x| - a and v = |y| - b, comes out as four straight leaves.
+the last so that it is positive on a = b where both are; so is one with a choice by a condition at which it does not
+jump. The outermost choice is opened first, and what it decides is remembered: where max(u, v) < 0 so are u and v. The
+distance of a box, sqrt(max(u, 0)**2 + max(v, 0)**2) + min(max(u, v), 0) with u = |x| - a and v = |y| - b, comes out as
+four straight leaves.
 """
 
 from __future__ import annotations
@@ -153,7 +154,7 @@ class _Opening:
         inside = [
             part
             for part in live(b.nodes, [number])
-            if b.nodes[part].operation in CHOICES
+            if (b.nodes[part].operation in CHOICES or (b.nodes[part].operation == "select" and part in b.steps))
             and not b.uniform[part]
             and b.nodes[part].arguments[0] not in self.walls
         ]
@@ -166,6 +167,8 @@ class _Opening:
         if operation == "abs":
             return first, first, b.neg(first)
         condition = b.sub(first, rest[0])
+        if operation == "select":  # at which the leaf does not jump: else the form was parted before
+            return condition, rest[1], rest[2]
         return (condition, first, rest[0]) if operation == "max" else (condition, rest[0], first)
 
     def _lifts(self, number: int) -> bool:

@@ -35,7 +35,8 @@ class LevelLinesStatus(Report):
     `unresolved_corners` counts neighbours on different leaves without a corner between them: the
     lattice is too coarse there, and a line may jump over a gap thinner than a cell. `unseen` counts cells, of the size
     `finer`, where something may be thinner than they are, near each of `places`; what a lattice does not show is drawn
-    on finer ones before. Only if `examined`: a field that is not the value of a shape is not.
+    on finer ones before. Only if `examined`: what is not the value of a
+    shape is not, nor where intervals leave too many cells.
     """
 
     vertices: int
@@ -51,7 +52,9 @@ class LevelLinesStatus(Report):
 
     @property
     def remark(self) -> str:
-        """Where something is thinner than the finest cells that were looked at."""
+        """Where something is thinner than the finest cells that were looked at, or that they were not."""
+        if not self.examined:
+            return "What is thinner than a cell was not looked for."
         if not self.places:
             return ""
         where = first_of([f"({across:.4g}, {up:.4g})" for across, up in self.places], TOLD)
@@ -65,8 +68,7 @@ class LevelLinesStatus(Report):
             f"Vertices unresolved, kept where linear interpolation put them: {self.kept}.": self.kept,
             f"Corners unresolved, where a cell holds too much: {self.unresolved_corners}.": self.unresolved_corners,
             f"The field is undefined at {self.undefined_samples} samples.": self.undefined_samples,
-            self.remark: self.unseen,
-            "What is thinner than a cell was not looked for: the formula is too long.": not self.examined,
+            self.remark: self.unseen or not self.examined,
         }
         told = numerical(text for text, count in troubles.items() if count)
         return Document("level-lines", Sentence(lines, False), sentences=told, data=asdict(self))
@@ -187,9 +189,9 @@ class LevelLines(Sequence[Floats]):
 
 
 def told(lines: LevelLines) -> LevelLines:
-    """The same lines; a warning where something may be thinner than the finest cells."""
-    if lines.status.unseen:
-        warn(lines.status.remark)
+    """The same lines; a warning where something may be thinner than the finest cells, or than cells if none are."""
+    if remark := lines.status.remark:
+        warn(remark if lines.status.examined else f"{remark} Remedy: narrower bounds, which leave fewer cells.")
     return lines
 
 

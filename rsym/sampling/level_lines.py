@@ -176,5 +176,6 @@ def trace(
         closed=closed,
         open=len(lines) - closed,
         unresolved_corners=turns(sampler, lines),
+        examined=False,
     )
     return sparse(LevelLines(lines, level, field, status))

@@ -122,7 +122,8 @@ class Mesh:
         """The part of each face, (m,): an index into `parts`; -1 where leaves are not known.
 
         A leaf may stand in several parts, as the plane of the lids of boxes of one height does; each face belongs to
-        that which bounds the body there, to ``A / B`` where two do.
+        that which bounds the body there, to ``A / B`` where two do. Where two begin or end to do so no edge need run:
+        a triangle over it is called by its middle, so that areas of parts are those of `measure` to a cell.
         """
         return self.labels.number
 

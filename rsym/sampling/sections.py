@@ -142,7 +142,7 @@ def sections(
         lines = sparse(outline_within(replace(first, fixed=fixed), here))
         found.append(Section(names[normal], height, first.names, lines, normal))
         steps.advance()
-    unseen = [section for section in found if section.lines.status.unseen]
+    unseen = [section for section in found if section.lines.status.remark]
     if unseen:
         others = f" (and in {plural(len(unseen) - 1, 'other section')})" if unseen[1:] else ""
         warn(f"{axis} = {unseen[0].value:g}{others}: {unseen[0].lines.status.remark}")

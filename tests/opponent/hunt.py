@@ -28,7 +28,8 @@ def main() -> int:
     """The command."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument(
-        "kind", help="plane, space, turned, made, lettered, parted, windows, thin, pictures, or another module beside"
+        "kind",
+        help="plane, space, turned, made, lettered, parted, windows, thin, pictures, measures, or another beside",
     )
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--start", type=int, default=0)

@@ -113,3 +113,18 @@ def test_a_missing_package_and_a_wrong_kind(name, monkeypatch):
     monkeypatch.setitem(sys.modules, name, None)
     with pytest.raises(RsymError, match=f"pip install {name}"):
         function(BARE)
+
+
+@pytest.mark.parametrize("other", [rsym.box(2, 2, 1).translate(3, 0, 0), rsym.box(2, 2, 3).translate(0, 0, 4)])
+def test_bodies_with_planes_in_common_keep_their_names_in_files(tmp_path, other):
+    mesh = rsym.mesh(rsym.box(2, 2, 1).named("A") | other.named("B"), 16)
+    areas = [16, pytest.approx(rsym.mesh(other, 16).area, rel=1e-9)]
+    rsym.write(mesh, tmp_path / "pair.glb", colour_by="part")
+    objects = pytest.importorskip("trimesh").load(tmp_path / "pair.glb").geometry
+    assert [objects[name].area for name in "AB"] == areas
+    pytest.importorskip("meshio")
+    given = rsym.to_meshio(mesh)
+    corners = given.points[given.cells_dict["triangle"]]
+    across = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    numbers = {name: int(number) - 1 for name, (number, _) in given.field_data.items()}
+    assert [across[given.cell_data["part"][0] == numbers[name]].sum() for name in "AB"] == areas

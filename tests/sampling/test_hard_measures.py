@@ -49,9 +49,10 @@ def box_distance(*sides):
         (rsym.Shape(x * y * (x - y), (x, y), bounds=((-1, 1),) * 2), 2, 4 + 2 * math.sqrt(2) + 4),
         (rsym.Shape(DISC * (x - 2) ** 2 * y**2, (x, y), bounds=WINDOW[:2]), math.pi, 2 * math.pi),
         (box_distance(1, 2), 8, 12),
+        (rsym.Shape(sp.tanh(5 * sp.Piecewise((DISC, x > DISC), (x, True))), (x, y)), math.pi / 2, math.pi + 2),
         (rsym.Shape(2 - sp.exp(sp.Abs(x)) - sp.Abs(y), (x, y), bounds=WINDOW[:2]), 8 * math.log(2) - 4, None),
     ],
-    ids=["pole", "chessboard", "lines", "even factors", "box", "exponential"],
+    ids=["pole", "chessboard", "lines", "even factors", "box", "conditions", "exponential"],
 )
 @pytest.mark.filterwarnings("ignore:the shape's own bounds", "ignore:the shape ends where")
 def test_products_quotients_and_choices_are_opened(shape, area, length):

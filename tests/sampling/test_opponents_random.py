@@ -1,13 +1,14 @@
-"""The opponents of labels, windows, parts without a value, steps, thin lines, pictures, lengths: others every day."""
+"""The opponents of labels, windows, parts without a value, steps, thin lines, pictures, lengths, measures."""
 
 import os
 
 import pytest
-from opponent import lengths, parted, pictures, steps, thin, undefined, windows
+from opponent import lengths, measures, parted, pictures, steps, thin, undefined, windows
 
 SEED = int(os.environ.get("RSYM_TEST_SEED", "0"))
 OPPONENTS = {
-    one.__name__.rpartition(".")[2]: one for one in (lengths, parted, pictures, steps, thin, undefined, windows)
+    one.__name__.rpartition(".")[2]: one
+    for one in (lengths, measures, parted, pictures, steps, thin, undefined, windows)
 }
 
 

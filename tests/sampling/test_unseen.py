@@ -105,9 +105,11 @@ def test_lines_where_nothing_was_wrong_keep_their_bits(shape, monkeypatch):
     lines = lines_of(shape)
     assert lines.status.examined
     monkeypatch.setattr("rsym.sampling.unseen._undecided", lambda *given: None)
-    plain = lines_of(shape)
+    with pytest.warns(rsym.RsymWarning, match=r"not looked for\. Remedy"):
+        plain = lines_of(shape)
     assert [line.tobytes() for line in lines] == [line.tobytes() for line in plain]
     assert not plain.status.examined
+    assert not lines_of(shape, field="gradient_squared", level=0.5).status.examined
 
 
 def test_lines_that_do_not_go_on_are_told_beside_what_is_unseen(monkeypatch):

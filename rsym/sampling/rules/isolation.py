@@ -69,7 +69,8 @@ def isolate(
         changes = (below > tolerance) != (above > tolerance)
         done = (least > 0) | (most < 0)
         # No root where the ends are too large for the slope: half the interval from each.
-        reach = steepest * (upper - lower)
+        with np.errstate(invalid="ignore"):  # of places alone, at which slopes are not bounded
+            reach = np.where(upper > lower, steepest * (upper - lower), 0.0)
         done |= ~changes & (np.abs(below) + np.abs(above) > reach + 2 * tolerance)
         take = done & changes
         found.append(tuple(a[take] for a in (which, lower, upper, below, above)))

@@ -198,7 +198,7 @@ def _boundary(
     if shape.dimension == 2:
         sampler = plane_sampler(shape, "value", resolution=resolution, bounds=box, letters=values)
         found = known_outline(sampler, cut=True)
-        lines, remarks = found.lines, (found.status.remark,) if found.status.unseen else ()
+        lines, remarks = found.lines, (found.status.remark,) if found.status.remark else ()
         points = np.vstack([none, *lines])
         edges = np.vstack([none, *(line[:-1] for line in lines)]), np.vstack([none, *(line[1:] for line in lines)])
         return points, edges, max(lattice.spacing), remarks
