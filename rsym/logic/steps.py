@@ -171,12 +171,12 @@ def _jumps(builder: Builder, leaf: int, step: int, condition: int, yes: int, no:
 
     low, high = [0.0] * POINTS, [1.0] * POINTS
     start, end = at(low)["condition"] + [0.0] * POINTS, at(high)["condition"] + [0.0] * POINTS
-    crossed = [bool(a * b < 0) for a, b in zip(start, end, strict=True)]
+    crossed = [bool(min(a, b) < 0 < max(a, b)) for a, b in zip(start, end, strict=True)]  # products overflow
     for _ in range(HALVINGS):
         middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
         value = at(middle)["condition"] + [0.0] * POINTS
         for k, (first, now) in enumerate(zip(start, value, strict=True)):
-            (low if first * now > 0 else high)[k] = middle[k]
+            (low if (first > 0 and now > 0) or (first < 0 and now < 0) else high)[k] = middle[k]
     near = at(low)
     far = at([min(1.0, share + BESIDE) for share in high]) if across else near
     ups, downs = (

@@ -360,3 +360,9 @@ def test_a_steep_profile_times_a_modulus_keeps_its_jump_of_curvature():
     report = rsym.verify_smoothness(rsym.Shape(y - sp.tanh(1000 * x) * abs(x), (x, y), bounds=((-1, 1), (-1, 1))))
     assert (report.verdict, report.continuity, report.defects[0].proved) == ("REFUTED", "G1", True)
     assert report.defects[0].curvature_jump == pytest.approx(4000, rel=1e-9)
+
+
+def test_conditions_whose_products_overflow_are_asked_without_a_warning():
+    inside = sp.Piecewise((1, abs(sp.exp(x**2 + y**2 - 1) - 1) < sp.Rational(1, 2)), (-1, True))
+    report = rsym.verify_smoothness(rsym.Shape(inside, (x, y), bounds=((-2, 2), (-2, 2))))
+    assert (report.verdict, report.continuity) == ("CERTIFIED", "analytic")
