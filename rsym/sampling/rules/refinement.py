@@ -171,7 +171,8 @@ def refined(
     try:
         sums, points = summed()
         before = earlier = np.full_like(sums.values, np.nan)
-        apart, unresolved = np.abs(sums.values - found.found.values), found.found.unresolved
+        with np.errstate(invalid="ignore"):  # of sums that are not finite
+            apart, unresolved = np.abs(sums.values - found.found.values), found.found.unresolved
         found = Refined(replace(sums, unresolved=unresolved), before, count, highest, apart)
         shape.warn_of_cuts(shape.owner[sorted(met)])
         while True:
