@@ -259,7 +259,8 @@ class Builder:
     def step(self, a: int, b: int, yes: int, no: int) -> int:
         """Return the choice of a condition that somebody wrote, which may jump."""
         chosen = self.select(a, b, yes, no)
-        self.steps.add(chosen)
+        if chosen not in (yes, no):
+            self.steps.add(chosen)
         return chosen
 
     def normalised(self, f: int, q: int) -> int:
