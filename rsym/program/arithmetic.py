@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 import sympy as sp
 
@@ -47,7 +48,21 @@ def _mul(b: Nodes, number: int, node: Node, d: Given) -> int:
     for first, second, slope in ((u, v, d[0]), (v, u, d[1])):
         if b.nodes[second] == ("abs", (first,), None):
             return b.mul(b.const(2), b.mul(second, slope))  # w|w| has a derivative at w = 0 too
+        if b.nodes[second].operation == "sqrt" and (n := _exponent(b, first, b.nodes[second].arguments[0])):
+            return b.mul(b.const(1 + Fraction(1, 2 * n)), b.mul(second, slope))  # and so has w**n sqrt(w)
     return b.add(b.mul(d[0], v), b.mul(u, d[1]))
+
+
+def _exponent(b: Nodes, power: int, base: int) -> int:
+    """The n of c*base**n, c a number; 0 for what is no such power."""
+    operation, arguments, data = b.nodes[power]
+    if power == base:
+        return 1
+    if operation == "mul" and arguments == (base, base):
+        return 2
+    if operation == "mul" and b.value(arguments[0]) is not None:
+        return _exponent(b, arguments[1], base)
+    return data if operation == "powi" and arguments == (base,) and isinstance(data, int) else 0
 
 
 def _jump_of_product(b: Nodes, number: int, node: Node, jumps: Given) -> int:

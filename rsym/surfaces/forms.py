@@ -133,7 +133,7 @@ def limit_forms(surface: HasDerivatives, u: ArrayLike, v: ArrayLike, letters: Le
                 known[near] = np.where(used, limit, known[near])
     for axis, (gone, second, size) in enumerate(zip((p_u, p_v), (p_uu, p_vv), _lengths(surface), strict=True)):
         least = VANISHED * size * norm(second)
-        still = (norm(gone) <= least) & (norm(p_uv) <= least) & (least > 0)
+        still = (norm(gone) <= least) & (norm(p_uv) <= least) & (least > 0) & (least < np.inf)
         if still.any():
             places = _places(u, v, still)
             n[still], limits = _still_forms(surface, places, axis, letters)

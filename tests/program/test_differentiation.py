@@ -23,6 +23,7 @@ CASES = {
     "neg powi": -(x**5) + y**-3,
     "pow": (x + 2) ** y + (y + 2) ** sp.Rational(1, 3),
     "sqrt": sp.sqrt(x * y + x + 4),
+    "root with powers of its radicand": (x * y + x + 4) ** sp.Rational(7, 2) + (x + 2) ** sp.Rational(5, 2),
     "abs": sp.Abs(x - y) * (x + y**2),
     "sign": sp.sign(x - y) * x**2 * y,
     "min": sp.Min(x * y, x - y, y**2 - 3),
@@ -84,6 +85,17 @@ def test_a_tie_has_no_derivative(node):
     gradient = rsym.compile(Shape(node, (x, y)), ("gradient",))([1.0, 1.0], [1.0, 2.0])["gradient"]
     assert np.isnan(gradient[0]).all()
     assert sorted(gradient[1]) == [0, 1]
+
+
+def test_half_powers_have_the_derivatives_that_there_are_at_0():
+    """Of x sqrt(x) as a product there is 0/0."""
+    kernel = rsym.compile(Shape(x ** sp.Rational(5, 2) + (x**2 + y**2) ** sp.Rational(3, 2), (x, y)), "gradient")
+    assert kernel(0.0, 0.0)["gradient"].tolist() == [0, 0]
+    builder = Builder(("x",), ())
+    node = builder.mul(builder.powi(builder.input("x"), 2), builder.sqrt(builder.input("x")))
+    for _ in range(2):
+        node = derivative(builder, node, "x")
+        assert interpret(builder.program({"d": node}), {"x": [0.0]})["d"] == [0.0]
 
 
 def test_the_kink_of_the_absolute_value_has_none():

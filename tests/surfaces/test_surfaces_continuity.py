@@ -202,6 +202,13 @@ def test_seams_and_poles_of_one_patch():
     assert pole.continuity == "G1"
 
 
+def test_poles_of_half_powers():
+    """Of r**(3/2) curvatures grow without bound, which are 0 at the pole of r**(5/2)."""
+    for power, continuity in ((sp.Rational(3, 2), "G1"), (sp.Rational(4, 3), "G1"), (sp.Rational(5, 2), "G2")):
+        dish = ParametricSurface((v * sp.cos(u), v * sp.sin(u), v**power), ((0, 2 * sp.pi), (0, 1)))
+        assert continuity_report(dish).continuity == continuity
+
+
 def test_normals_at_a_pole_are_turned_to_one_side_patch_by_patch():
     """The normals of opposite pieces of a steep cone differ by more than a right angle."""
     turns = [(k * QUARTER, (k + 1) * QUARTER)[::way] for k, way in enumerate((1, -1, -1, 1))]

@@ -177,8 +177,9 @@ def _directions(edge: PatchEdge, t: Floats) -> tuple[Floats, Floats, Floats, Flo
         rows = [np.stack([forms.G, -forms.F], axis=-1), np.stack([-forms.F, forms.E], axis=-1)]
         direction = leaving / np.sqrt(dot(leaving, leaving))[:, None]
         dual = basis @ (np.stack(rows, axis=-2) / area[:, None, None])
-    form = np.stack([np.stack([forms.L, forms.M], axis=-1), np.stack([forms.M, forms.N], axis=-1)], axis=-2)
-    return points, direction, forms.normal, dual @ form @ np.swapaxes(dual, -1, -2)
+        form = np.stack([np.stack([forms.L, forms.M], axis=-1), np.stack([forms.M, forms.N], axis=-1)], axis=-2)
+        tensor = dual @ form @ np.swapaxes(dual, -1, -2)
+    return points, direction, forms.normal, np.where(np.isfinite(tensor), tensor, np.nan)
 
 
 def spread(fan: Fan) -> tuple[Floats, Floats, Floats]:
