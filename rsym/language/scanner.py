@@ -277,10 +277,11 @@ DRAWING = (
 UNSUPPORTED = ("while", "if", "else", "elseif", "function", "switch", "try", "return", "global")
 
 # To the end of the statement; a semicolon in brackets or in a text does not end it.
-# Nothing is tried twice: a text without its bracket must not be searched for ever.
+# Nothing is tried twice: a text without its bracket must not be searched for ever. As groups, for Python 3.11.2 takes
+# "(?:...)*+" for more than it is.
 _GOES_ON = r"\.\.\.[^\n]*\n"
-_BRACKETS = rf"\((?:{_GOES_ON}|[^()\n]|\((?:{_GOES_ON}|[^()\n])*+\))*+\)"
-_REST = rf"""(?:"[^"\n]*"|'[^'\n]*'|{_BRACKETS}|\[(?:{_GOES_ON}|[^\]\n])*+\]|{_GOES_ON}|[^;\n%#"'(\[])*+"""
+_BRACKETS = rf"\((?>(?:{_GOES_ON}|[^()\n]|\((?>(?:{_GOES_ON}|[^()\n])*)\))*)\)"
+_REST = rf"""(?>(?:"[^"\n]*"|'[^'\n]*'|{_BRACKETS}|\[(?>(?:{_GOES_ON}|[^\]\n])*)\]|{_GOES_ON}|[^;\n%#"'(\[])*)"""
 _NUMBER = r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
 _WORDS = re.compile(rf"({'|'.join((*HOUSEKEEPING, *DRAWING))})\b(?![ \t]*=(?!=))({_REST})")
 _GRID = re.compile(rf"\[([^\]\n]*)\][ \t]*=[ \t]*(meshgrid|ndgrid)\b({_REST})")

@@ -112,6 +112,7 @@ def test_lines_where_nothing_was_wrong_keep_their_bits(shape, monkeypatch):
     assert not lines_of(shape, field="gradient_squared", level=0.5).status.examined
 
 
+@pytest.mark.slow
 def test_lines_that_do_not_go_on_are_told_beside_what_is_unseen(monkeypatch):
     monkeypatch.setattr("rsym.sampling.unseen._loose", lambda cells, lattice: np.array([[0, 0]]) * UNIT)
     with pytest.warns(rsym.RsymWarning, match="Unresolved in"):
