@@ -236,6 +236,7 @@ def test_the_undamped_form_changes_the_sign_within_a_square():
     assert (values < 0).mean() > 0.1
 
 
+@pytest.mark.filterwarnings("ignore:What is thinner than a cell")
 @pytest.mark.slow
 def test_the_boundary_of_a_square_is_one_curve():
     kept = rsym.normalise(SQUARE, order=2, keep_sign=True)
