@@ -18,7 +18,7 @@ from functools import partial, reduce
 from types import MappingProxyType
 
 from rsym.logic.domains import replaced
-from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
+from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted, sides
 from rsym.logic.radicals import Parted, odd_powers, root_parted
 from rsym.logic.sign_form import gate_of, stripped
 from rsym.logic.steps import chosen_gate
@@ -141,7 +141,7 @@ class _Opening:
         """The node without the choices whose sides are known."""
         while True:
             for choice in self._choices(number):
-                condition, above, below = self._sides(choice)
+                condition, above, below = sides(self.builder, choice)
                 if side := self._sign(condition, known):
                     number = replaced(self.builder, number, {choice: above if side > 0 else below})
                     break
@@ -149,7 +149,10 @@ class _Opening:
                 return number
 
     def _choices(self, number: int) -> list[int]:
-        """The choices inside a node, first that which is made of most others: its side tells most of theirs."""
+        """The choices inside a node, first that which is made of most others: its side tells most of theirs.
+
+        At those by a condition the leaf does not jump: else the form was parted before.
+        """
         b = self.builder
         inside = [
             part
@@ -159,17 +162,6 @@ class _Opening:
             and b.nodes[part].arguments[0] not in self.walls
         ]
         return sorted(inside, key=partial(choices_in, b), reverse=True)
-
-    def _sides(self, choice: int) -> tuple[int, int, int]:
-        """What decides a choice, and what it is where that is positive and where it is negative."""
-        b = self.builder
-        operation, (first, *rest), _ = b.nodes[choice]
-        if operation == "abs":
-            return first, first, b.neg(first)
-        condition = b.sub(first, rest[0])
-        if operation == "select":  # at which the leaf does not jump: else the form was parted before
-            return condition, rest[1], rest[2]
-        return (condition, first, rest[0]) if operation == "max" else (condition, rest[0], first)
 
     def _lifts(self, number: int) -> bool:
         """Whether a node is made of gates on top, and of nothing with choices below these."""
@@ -184,7 +176,7 @@ class _Opening:
         return True
 
     def _branches(self, number: int, choice: int, sign: int, known: Known) -> int:
-        condition, *values = self._sides(choice)
+        condition, *values = sides(self.builder, choice)
         made = []
         for side, value in zip((1, -1), values, strict=True):
             believed = MappingProxyType({**known, **self._implied(condition, side)})

@@ -104,22 +104,38 @@ class _Unfolding:
             self.faces.append(node)
             return node
         condition, *values = found
-        sides = [self.of(value) for value in values]
-        return chosen_gate(builder, (condition, builder.neg(condition)), sides)
+        return chosen_gate(builder, (condition, builder.neg(condition)), [self.of(value) for value in values])
 
     def _first_fold(self, node: int) -> tuple[int, int, int] | None:
         """The first condition on which a choice in a node depends, and the node where it holds and where not."""
         builder = self.builder
         for part in live(builder.nodes, [node]):
-            operation, arguments, _ = builder.nodes[part]
-            if builder.uniform[part] or operation not in {*CHOICES, "select"}:
+            if builder.uniform[part] or builder.nodes[part].operation not in {*CHOICES, "select"}:
                 continue
-            condition = arguments[0] if operation == "abs" else builder.sub(*arguments[:2])
-            chosen = (arguments[0], builder.neg(arguments[0])) if operation == "abs" else arguments[-2:]
-            sides = [replaced(builder, node, {part: side}) for side in chosen[:: -1 if operation == "min" else 1]]
-            if not is_partial(builder, *sides):
-                return condition, sides[0], sides[1]
+            condition, *values = sides(builder, part)
+            split = [replaced(builder, node, {part: value}) for value in values]
+            if not is_partial(builder, *split):
+                return condition, split[0], split[1]
         return None
+
+
+def sides(builder: Builder, choice: int) -> tuple[int, int, int]:
+    """What decides a choice, and what it is where that is positive and where it is negative.
+
+    Examples
+    --------
+    >>> b = Builder(("x", "y"), ())
+    >>> x, y = b.input("x"), b.input("y")
+    >>> sides(b, b.make("min", x, y)) == (b.sub(x, y), y, x)
+    True
+    """
+    operation, (first, *rest), _ = builder.nodes[choice]
+    if operation == "abs":
+        return first, first, builder.neg(first)
+    condition = builder.sub(first, rest[0])
+    if operation == "select":
+        return condition, rest[1], rest[2]
+    return (condition, first, rest[0]) if operation == "max" else (condition, rest[0], first)
 
 
 def origins(form: SignForm, made: Sequence[int], leaves: Sequence[int]) -> list[int]:
