@@ -24,6 +24,7 @@ from rsym.sampling.smooth import smooth_mesh
 from rsym.sampling.windows import outer_bounds
 from rsym.verify.boxes.lacking import lacking
 from rsym.verify.boxes.local import Box, Model
+from rsym.verify.cover.box_arrays import listed
 from rsym.verify.normalisation.cover import NormalCover, cover_boundary, feasible_order
 from rsym.verify.normalisation.derivatives import NormalDerivatives
 from rsym.verify.normalisation.leaves import leaves_of
@@ -155,7 +156,7 @@ def verify_normalisation(
         statements=(
             *((remark, False) for remark in remarks),
             *([] if refuted else _statements(leaves, found)),
-            *([] if found is None else lacking(derivatives.model, _as_boxes(found.uncovered))),
+            *([] if found is None else lacking(derivatives.model, listed(found.uncovered))),
             *effort.statements,
         ),
     )
@@ -255,10 +256,6 @@ def _statements(leaves: Sequence[NormalDerivatives], found: NormalCover | None) 
     if not found.exhausted and not len(found.covered) and not len(found.uncovered):
         result.append(("omega has no zero within the bounds", True))
     return result
-
-
-def _as_boxes(array: NDArray[np.float64]) -> list[Box]:
-    return [tuple((low, high) for low, high in box) for box in array.tolist()]
 
 
 def _proved(found: NormalCover | None, order: int) -> tuple[float, ...]:
