@@ -131,7 +131,7 @@ def lengths(part: sp.Expr, coordinates: Coordinates, letters: LetterMapping = No
     return part if found is None else found.distance(letters)
 
 
-def in_lengths(shape: Shape, letters: LetterMapping = None) -> Shape:
+def in_lengths(shape: Shape) -> Shape:
     """The shape as far as its leaves know lengths, its parts likewise.
 
     Examples
@@ -140,9 +140,9 @@ def in_lengths(shape: Shape, letters: LetterMapping = None) -> Shape:
     >>> in_lengths(rsym.rectangle(4, 2).named("plate")).parts
     (('plate', conjunction(2 - Abs(x), 1 - Abs(y), system=R1)),)
     """
-    known = shape.letters.merge(letters)
-    images = {
-        part: lengths(part, shape.coordinates, known) for part in (shape.expression, *(part for _, part in shape.parts))
-    }
-    parts = tuple((name, images[part]) for name, part in shape.parts)
-    return replace(shape, expression=images[shape.expression], parts=parts)
+
+    def measured(part: sp.Expr) -> sp.Expr:
+        return lengths(part, shape.coordinates, shape.letters)
+
+    parts = tuple((name, measured(part)) for name, part in shape.parts)
+    return replace(shape, expression=measured(shape.expression), parts=parts)
