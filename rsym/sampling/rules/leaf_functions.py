@@ -14,10 +14,11 @@ from rsym.logic.branches import opened_leaf
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.lifting import TURNED, origins
 from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
+from rsym.logic.stripping import unscaled as multiple
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
-from rsym.sampling.compiled import loop
+from rsym.sampling.compiled import loop, step
 from rsym.sampling.kernels.mesher_kernels import (
     MesherKernels,
     backend_for,
@@ -28,8 +29,10 @@ from rsym.sampling.kernels.mesher_kernels import (
 from rsym.sampling.regions.own_leaves import across, unscaled
 from rsym.sampling.regions.region_kernels import region_kernels
 from rsym.sampling.rules.division import CutPieces
+from rsym.sampling.rules.walks import form_sign
 from rsym.sampling.sharp.crossings import CompiledLeaves
 
+FEW = 8  # leaves of which all combinations of signs are tried
 EPSILON = float(np.finfo(np.float64).eps)
 
 
@@ -51,6 +54,7 @@ class LeafFunctions:
     def __init__(self, shape: Shape, form: SignForm, letters: Mapping[Any, float] | None, bounds: Bounds) -> None:
         self.dimension, self.count = shape.dimension, len(form.leaves)
         self.gates = gate_array(form.gates)
+        self._multiples = _multiples_of(form)
         self.walls = np.ones(self.count, np.bool_)
         self.tolerance = 8 * EPSILON * max(abs(end) for pair in bounds for end in pair)
         box = (*bounds, (-1.0, 1.0))[:3]
@@ -86,7 +90,7 @@ class LeafFunctions:
         kept = np.zeros(len(pieces.leaf), np.bool_)
         steepest = np.abs(pieces.gradient).max(axis=1).sum(axis=0)
         tolerance = self.tolerance * np.minimum(1.0, steepest)
-        judge_form(self.gates, tolerance, pieces.start, pieces.leaf, value, signs, verdict, kept)
+        judge_form(self.gates, tolerance, pieces.start, pieces.leaf, *self._multiples, value, signs, verdict, kept)
         return signs, verdict, kept
 
     def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
@@ -195,6 +199,15 @@ def _is_linear(builder: Builder, number: int) -> bool:
     return operation in {"add", "neg", "mul"} and all(_is_linear(builder, argument) for argument in arguments)
 
 
+def _multiples_of(form: SignForm) -> tuple[Ints, Ints]:
+    """For each leaf the first one that it is a multiple of, and the sign of that: so are faces that end in one plane."""
+    parts = [multiple(form.builder, leaf) for leaf in form.leaves]
+    places = {part.number: place for place, part in reversed([*enumerate(parts)])}
+    first = np.array([places[part.number] for part in parts], np.int64)
+    signs = np.array([part.sign for part in parts], np.int64)
+    return first, signs * signs[first]
+
+
 def gate_array(gates: tuple[Gate, ...]) -> Ints:
     """Gates as rows of whole numbers."""
     return np.array([(operation == "max", *operands) for operation, *operands in gates], np.int64).reshape(-1, 3)
@@ -207,40 +220,72 @@ def _kernels(form: SignForm) -> Any:
 
 @loop
 def judge_form(
-    gates: Any, tolerance: Any, start: Any, leaf: Any, value: Any, signs: Any, verdict: Any, kept: Any
-) -> None:
+    gates: Any, tolerance: Any, start: Any, leaf: Any, first: Any, turned: Any, value: Any, signs: Any, verdict: Any,
+    kept: Any,
+) -> None:  # fmt: skip
     """Signs of leaves from their bounds, the sign of the form, and which leaves of open sign that depends on."""
     leaves, count = signs.shape[1], len(gates)
     known = np.zeros(leaves + count, np.int8)
     wanted = np.zeros(leaves + count, np.bool_)
+    group = np.zeros(leaves, np.int64)
     for piece in range(len(verdict)):
+        own = signs[piece]
         for pair in range(start[piece], start[piece + 1]):
             if value[0, pair] > tolerance[pair]:
-                signs[piece, leaf[pair]] = 1
+                own[leaf[pair]] = 1
             elif value[1, pair] < -tolerance[pair]:
-                signs[piece, leaf[pair]] = -1
-        for k in range(leaves):
-            known[k] = signs[piece, k]
-        for k in range(count):
-            a, b = known[gates[k, 1]], known[gates[k, 2]]
-            if gates[k, 0] == 0:
-                known[leaves + k] = min(a, b)
-            else:
-                known[leaves + k] = max(a, b)
-        top = leaves + count - 1
-        verdict[piece] = known[top]
-        if known[top] == 0:
-            for k in range(leaves + count):
-                wanted[k] = False
-            wanted[top] = True
+                own[leaf[pair]] = -1
+        verdict[piece] = form_sign(gates, own, known)
+        if verdict[piece] == 0:
+            wanted[:] = False
+            wanted[-1] = True
             for k in range(count - 1, -1, -1):
                 if wanted[leaves + k]:
                     for j in range(1, 3):
                         if known[gates[k, j]] == 0:
                             wanted[gates[k, j]] = True
+            verdict[piece] = tried(gates, first, turned, own.copy(), known, group, wanted)
             for pair in range(start[piece], start[piece + 1]):
-                kept[pair] = wanted[leaf[pair]] and known[leaf[pair]] == 0
+                kept[pair] = wanted[leaf[pair]] and own[leaf[pair]] == 0
             # Whatever the others are, the form is the same.
             for k in range(leaves):
-                if known[k] == 0 and not wanted[k]:
-                    signs[piece, k] = -1
+                if own[k] == 0 and not wanted[k]:
+                    own[k] = -turned[k]
+
+
+@step
+def tried(gates: Any, first: Any, turned: Any, signs: Any, known: Any, group: Any, wanted: Any) -> int:
+    """The sign of a form of open sign whose leaves of open sign may be multiples of one another; wanted are then fewer.
+
+    These have one sign: all combinations of signs are tried, if they are few.
+    """
+    free, several = 0, False
+    for k in range(len(signs)):
+        group[k] = -1
+        if signs[k] == 0 and wanted[k]:
+            for j in range(k):
+                if group[j] >= 0 and first[j] == first[k]:
+                    group[k], several = group[j], True
+            if group[k] < 0:
+                group[k] = free
+                free += 1
+    if not several or free > FEW:
+        return 0
+    results = np.empty(1 << free, np.int8)
+    for number in range(1 << free):
+        for k in range(len(signs)):
+            if group[k] >= 0:
+                signs[k] = turned[k] * (1 if number >> group[k] & 1 else -1)
+            elif signs[k] == 0:
+                signs[k] = -turned[k]
+        results[number] = form_sign(gates, signs, known)
+    for k in range(len(signs)):
+        if group[k] >= 0:
+            wanted[k] = False
+            for number in range(1 << free):
+                wanted[k] = wanted[k] or results[number] != results[number ^ (1 << group[k])]
+    for number in range(1, 1 << free):
+        if results[number] != results[0]:
+            return 0
+    sign: int = results[0]
+    return sign
