@@ -25,21 +25,119 @@ ROUNDED = 0.125  # of tolerances: a place is that unsharp
 BOTH = 5.0  # of the base: two leaves that climb no steeper than 2
 
 
-def plane_rule(functions: BoundedFunctions, pieces: CutPieces, orders: Ints) -> tuple[CellRule, LeftOpen]:
-    """The rule on plane pieces with a height, and what is not resolved: pieces, and where leaves touch.
+@dataclass(frozen=True)
+class PlaneBases:
+    """The bases of plane pieces with a height, between breaks: what is the same for rules of any order.
 
-    orders : (pieces,), the points along each direction.
+    Attributes
+    ----------
+    columns : Columns
+    base : (2, n)
+        The ends of the bases.
+    segments : Segments
+        Their parts between breaks.
+    unresolved : LeftOpen
+        A bound of the length of boundary between breaks that are one.
     """
-    ends = np.stack([pieces.lower, pieces.upper], axis=1)
-    bases = _Bases(Columns.of(functions, pieces), along(ends, 1 - pieces.axis))
-    segments, lost = bases.segments()
-    rule, unresolved = bases.rule(segments, orders)
-    return rule, unresolved + LeftOpen(boundary=lost)
+
+    columns: Columns
+    base: Floats
+    segments: Segments
+    unresolved: LeftOpen
+
+    @classmethod
+    def of(cls, functions: BoundedFunctions, pieces: CutPieces) -> PlaneBases:
+        """Of pieces."""
+        ends = along(np.stack([pieces.lower, pieces.upper], axis=1), 1 - pieces.axis)
+        breaks = _Breaks(Columns.of(functions, pieces), ends)
+        segments, lost = breaks.segments()
+        return cls(breaks.columns, ends, segments, LeftOpen(boundary=lost))
+
+    def rule(self, orders: Ints) -> tuple[CellRule, LeftOpen]:
+        """The rule of so many points (pieces,) along each direction, and what of it is not resolved."""
+        segments = self.segments
+        which, x, w = gauss_on(orders[segments.piece])
+        width = segments.upper - segments.lower
+        lines = self.columns.lines(segments.piece[which], segments.lower[which] + x * width[which])
+        walls = self.columns.lines(segments.stand_piece, segments.stand_place)
+        kind = np.where(segments.before < 0, FIRST, np.where(segments.after < 0, LAST, BETWEEN))
+        weight = np.ones(len(kind))
+        if self.columns.functions.gates is None:
+            standing, leaf = self._walls(walls, kind)
+            walls = walls.chosen(standing)
+            parts, _ = walls.walked(weight[standing], None)
+            along_walls = replace(parts, leaf=leaf[parts.line])
+        else:
+            along_walls = walls.walked_upright(kind, *self._sides(), weight)
+        rule, unresolved = self.columns.rule(lines, w * width[which], walls, along_walls, orders)
+        touching = self._touching(lines, width, which)
+        return rule, unresolved + LeftOpen(touching**2, touching)
+
+    def _touching(self, lines: Lines, width: Floats, which: Ints) -> float:
+        """A bound of the lengths of both leaves over segments in which crossings are taken for one."""
+        functions, pieces = self.columns.functions, self.columns.pieces
+        line = np.repeat(np.arange(len(which)), np.diff(lines.begin))
+        some = np.flatnonzero((lines.below > 0) != (lines.above > 0))
+        some = some[np.lexsort((lines.root[some], line[some]))]
+        one, other = some[:-1], some[1:]
+        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= SAME * functions.tolerance)
+        one, other = one[touching], other[touching]
+        # Wider segments may be of leaves that have one surface, as they may be of such that touch so closely.
+        wide = np.flatnonzero(width[which[line[one]]] > NARROW * np.sqrt(functions.tolerance))
+        if len(wide):
+            pair = np.sort(lines.leaf[np.stack([one[wide], other[wide]])], axis=0)
+            (own, *leaves), back = np.unique(
+                np.stack([lines.piece[line[one[wide]]], *pair]), axis=1, return_inverse=True
+            )
+            ends = pieces.axis[own], self.columns.height[:, own], self.base[:, own]
+            same = coincide(functions, np.stack(leaves), *ends)[back.ravel()]
+            one = np.delete(one, wide[same])
+        share = np.bincount(which[np.unique(line[one])], minlength=len(width)) / np.maximum(np.bincount(which), 1)
+        return float(BOTH * width @ np.minimum(2 * share, 1))
+
+    def _walls(self, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:
+        """Lines on which a wall stands, and a leaf that is it; at an end of the piece it is positive within."""
+        functions, pieces, segments = self.columns.functions, self.columns.pieces, self.segments
+        line, pair = self.columns.pairs(segments.stand_piece)
+        some = lines.upright & functions.walls[lines.leaf] & (np.abs(lines.below) <= SAME * functions.tolerance)
+        line, pair = line[some], pair[some]
+        inner = np.where(kind == FIRST, segments.after, segments.before)[line]
+        middle = (segments.lower / 2 + segments.upper / 2)[inner]
+        own, leaf = segments.stand_piece[line], pieces.leaf[pair]
+        value, _ = functions.evaluate(leaf, placed(pieces.axis[own], middle, self.columns.height[0, own]))
+        fits = (kind[line] == BETWEEN) | (value > 0)
+        which, first = np.unique(line[fits], return_index=True)
+        leaf = leaf[fits][first]
+        return which, np.where(kind[which] == BETWEEN, leaf, ~leaf)
+
+    def _sides(self) -> tuple[Any, Any]:
+        """For each place where leaves stand, the signs (n, leaves) to the left and to the right, of upright ones too.
+
+        Beyond an end of the piece a leaf that is zero there has the other sign.
+        """
+        pieces, functions, segments = self.columns.pieces, self.columns.functions, self.segments
+        tolerance = SAME * functions.tolerance
+        piece, before, after = segments.stand_piece, segments.before, segments.after
+        left, right = pieces.signs[piece], pieces.signs[piece]
+        line, pair = self.columns.pairs(piece)
+        line, pair = line[self.columns.upright[pair]], pair[self.columns.upright[pair]]
+        own = piece[line]
+        axis, height, leaf = pieces.axis[own], self.columns.height[0, own], pieces.leaf[pair]
+        middle = segments.lower / 2 + segments.upper / 2
+
+        def at(base: Floats) -> Floats:
+            return functions.evaluate(leaf, placed(axis, base[line], height))[0]
+
+        zero = np.abs(at(segments.stand_place)) <= tolerance
+        one, other = (np.where(at(middle[number]) > 0, 1, -1) for number in (before, after))
+        left[line, leaf] = np.where(before[line] >= 0, one, np.where(zero, -other, other))
+        right[line, leaf] = np.where(after[line] >= 0, other, np.where(zero, -one, one))
+        return left, right
 
 
 @dataclass(frozen=True)
-class _Bases:
-    """Columns in the plane, and the ends (2, n) of their bases."""
+class _Breaks:
+    """Columns in the plane, and the ends (2, n) of their bases, which are parted."""
 
     columns: Columns
     base: Floats
@@ -149,86 +247,3 @@ class _Bases:
                     np.fmin(ROUNDED * functions.tolerance / np.abs(slopes), np.sqrt(functions.tolerance)).sum()
                 )
         return own[found], places, unsharp
-
-    def rule(self, segments: Segments, orders: Ints) -> tuple[CellRule, LeftOpen]:
-        """The points on lines across segments, and on upright leaves."""
-        which, x, w = gauss_on(orders[segments.piece])
-        width = segments.upper - segments.lower
-        lines = self.columns.lines(segments.piece[which], segments.lower[which] + x * width[which])
-        walls = self.columns.lines(segments.stand_piece, segments.stand_place)
-        kind = np.where(segments.before < 0, FIRST, np.where(segments.after < 0, LAST, BETWEEN))
-        weight = np.ones(len(kind))
-        if self.columns.functions.gates is None:
-            standing, leaf = self._walls(segments, walls, kind)
-            walls = walls.chosen(standing)
-            parts, _ = walls.walked(weight[standing], None)
-            along_walls = replace(parts, leaf=leaf[parts.line])
-        else:
-            along_walls = walls.walked_upright(kind, *self._sides(segments), weight)
-        rule, unresolved = self.columns.rule(lines, w * width[which], walls, along_walls, orders)
-        touching = self._touching(lines, width, which)
-        return rule, unresolved + LeftOpen(touching**2, touching)
-
-    def _touching(self, lines: Lines, width: Floats, which: Ints) -> float:
-        """A bound of the lengths of both leaves over segments in which crossings are taken for one."""
-        functions, pieces = self.columns.functions, self.columns.pieces
-        line = np.repeat(np.arange(len(which)), np.diff(lines.begin))
-        some = np.flatnonzero((lines.below > 0) != (lines.above > 0))
-        some = some[np.lexsort((lines.root[some], line[some]))]
-        one, other = some[:-1], some[1:]
-        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= SAME * functions.tolerance)
-        one, other = one[touching], other[touching]
-        # Wider segments may be of leaves that have one surface, as they may be of such that touch so closely.
-        wide = np.flatnonzero(width[which[line[one]]] > NARROW * np.sqrt(functions.tolerance))
-        if len(wide):
-            pair = np.sort(lines.leaf[np.stack([one[wide], other[wide]])], axis=0)
-            (own, *leaves), back = np.unique(
-                np.stack([lines.piece[line[one[wide]]], *pair]), axis=1, return_inverse=True
-            )
-            ends = pieces.axis[own], self.columns.height[:, own], self.base[:, own]
-            same = coincide(functions, np.stack(leaves), *ends)[back.ravel()]
-            one = np.delete(one, wide[same])
-        share = np.bincount(which[np.unique(line[one])], minlength=len(width)) / np.maximum(np.bincount(which), 1)
-        return float(BOTH * width @ np.minimum(2 * share, 1))
-
-    def _walls(self, segments: Segments, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:
-        """Lines on which a wall stands, and a leaf that is it; at an end of the piece it is positive within."""
-        functions, pieces = self.columns.functions, self.columns.pieces
-        line, pair = self.columns.pairs(segments.stand_piece)
-        some = lines.upright & functions.walls[lines.leaf] & (np.abs(lines.below) <= SAME * functions.tolerance)
-        line, pair = line[some], pair[some]
-        inner = np.where(kind == FIRST, segments.after, segments.before)[line]
-        middle = (segments.lower / 2 + segments.upper / 2)[inner]
-        own, leaf = segments.stand_piece[line], pieces.leaf[pair]
-        value, _ = functions.evaluate(leaf, placed(pieces.axis[own], middle, self.columns.height[0, own]))
-        fits = (kind[line] == BETWEEN) | (value > 0)
-        which, first = np.unique(line[fits], return_index=True)
-        leaf = leaf[fits][first]
-        return which, np.where(kind[which] == BETWEEN, leaf, ~leaf)
-
-    def _sides(self, segments: Segments) -> tuple[Any, Any]:
-        """For each place where leaves stand, the signs (n, leaves) to the left and to the right, of upright ones too.
-
-        Beyond an end of the piece a leaf that is zero there has the other sign.
-        """
-        pieces, functions, tolerance = (
-            self.columns.pieces,
-            self.columns.functions,
-            SAME * self.columns.functions.tolerance,
-        )
-        piece, before, after = segments.stand_piece, segments.before, segments.after
-        left, right = pieces.signs[piece], pieces.signs[piece]
-        line, pair = self.columns.pairs(piece)
-        line, pair = line[self.columns.upright[pair]], pair[self.columns.upright[pair]]
-        own = piece[line]
-        axis, height, leaf = pieces.axis[own], self.columns.height[0, own], pieces.leaf[pair]
-        middle = segments.lower / 2 + segments.upper / 2
-
-        def at(base: Floats) -> Floats:
-            return functions.evaluate(leaf, placed(axis, base[line], height))[0]
-
-        zero = np.abs(at(segments.stand_place)) <= tolerance
-        one, other = (np.where(at(middle[number]) > 0, 1, -1) for number in (before, after))
-        left[line, leaf] = np.where(before[line] >= 0, one, np.where(zero, -other, other))
-        right[line, leaf] = np.where(after[line] >= 0, other, np.where(zero, -one, one))
-        return left, right

@@ -7,7 +7,7 @@ from zero, or none at all: then each meets a line along the axis once at most, o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -27,6 +27,7 @@ GRADED = 28  # levels of division towards a given point
 SMALL = 40.0  # binary digits: cells nearer to a point than so small a share of an integral are not divided
 SLOPE = 0.25  # points of a rule less, from a cell to one of half the side, where integrals fall with its side
 LEAST = 3  # points of rules on small parts
+PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
 FEWEST = 2  # points along each direction of the smallest cells
 
 
@@ -204,6 +205,19 @@ def pieces_together(pieces: Sequence[CutPieces]) -> CutPieces:
     }
     counts = np.concatenate([np.diff(one.start) for one in pieces])
     return CutPieces(signs=np.concatenate([one.signs for one in pieces]), start=starts(counts), **parts)
+
+
+def together_at_once(found: Sequence[CutPieces]) -> Iterator[CutPieces]:
+    """Pieces of several levels together, so that what is done for them is done once, but not too many."""
+    some: list[CutPieces] = []
+    for pieces in found:
+        if some and sum(map(len, some)) + len(pieces) > PIECES_AT_ONCE:
+            yield pieces_together(some)
+            some = []
+        if len(pieces):
+            some.append(pieces)
+    if some:
+        yield pieces_together(some)
 
 
 def starts(counts: Ints) -> Ints:

@@ -200,7 +200,7 @@ def _is_linear(builder: Builder, number: int) -> bool:
 
 
 def _multiples_of(form: SignForm) -> tuple[Ints, Ints]:
-    """For each leaf the first one that it is a multiple of, and the sign of that: so are faces that end in one plane."""
+    """For each leaf the first one that it is a multiple of, and the sign of that: so are flush faces."""
     parts = [multiple(form.builder, leaf) for leaf in form.leaves]
     places = {part.number: place for place, part in reversed([*enumerate(parts)])}
     first = np.array([places[part.number] for part in parts], np.int64)

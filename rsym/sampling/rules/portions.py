@@ -4,33 +4,33 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Floats, Ints
-from rsym.sampling.rules.bases import plane_rule
+from rsym.sampling.rules.bases import PlaneBases
 from rsym.sampling.rules.columns import CellRule, LeftOpen, rules_together, tensor_rule, tensor_rules
 from rsym.sampling.rules.deadlines import require_time
 from rsym.sampling.rules.division import (
     INSIDE,
     OPEN,
     CutPieces,
+    Divided,
     Grading,
     Limits,
     close,
     divide,
-    pieces_together,
+    together_at_once,
     undivided,
 )
 from rsym.sampling.rules.sampled import sampled_rule
-from rsym.sampling.rules.space import space_rule
+from rsym.sampling.rules.space import SpaceBases
 
 SAMPLED_AT_ONCE = 512  # of those of which nothing is proved
 BOXES = 2**17  # of leaves, that are looked at at once where only boxes tell
-PIECES_AT_ONCE = 2048  # parts of cells of which rules are made at once
 # Sides that run along an axis but for 1e-4 lose up to 4e-12 of their length where leaves may be 3e4 times as steep, at
 # 1e3 nothing; next to cusps 2e-6 of a length is left open then, and 7e-5 at 1e3. In space the cells along a spike grow
 # in number with the cube root of their fineness: of 64 in a cell 2e-6 of its surface is left open, of 128 2e-7.
@@ -101,62 +101,83 @@ def boxed_portion(functions: Any, grid: CellGrid, until: float) -> RulePortion:
     return RulePortion(rules_together([*rules, half]), cells[:0], LeftOpen(float(half.weights.sum()), math.inf))
 
 
-def rule_portion(
-    functions: Any, grid: CellGrid, cells: Ints, order: int, near: Grading, until: float = math.inf
-) -> RulePortion:
-    """The rule in some cells, `until` a time of the monotonic clock."""
-    require_time(until)
-    lower, upper = grid.corners(cells)
-    whole = undivided(lower, upper, cells, functions.count)
-    found = divide(functions, whole, LIMITS[functions.dimension], near)
-    rules = tensor_rules(found.lower, found.upper, found.owner, near.orders(found.lower, found.upper, grid.size, order))
-    unresolved = LeftOpen()
-    cut = found.cut
-    if functions.dimension == 3:
-        last = [pieces.chosen(~pieces.proved) for pieces in cut]
-        cut = [pieces.chosen(pieces.proved) for pieces in cut]
-        for pieces in (some for part in last for some in _few(part, SAMPLED_AT_ONCE)):
+@dataclass(frozen=True)
+class DividedCells:
+    """Some cells of a grid, divided towards points near: what is the same for rules of any order.
+
+    Attributes
+    ----------
+    found : Divided
+    pieces : list of (CutPieces, bases)
+        Those that have a height, together, and what a rule on them is made of.
+    sampled : list of CellRule
+        The rules where nothing is proved.
+    unresolved : LeftOpen
+        What is not resolved, of any rule.
+    """
+
+    functions: Any
+    grid: CellGrid
+    cells: Ints
+    near: Grading
+    until: float
+    found: Divided
+    pieces: list[tuple[CutPieces, PlaneBases | SpaceBases]]
+    sampled: list[CellRule]
+    unresolved: LeftOpen
+
+    @classmethod
+    def of(cls, functions: Any, grid: CellGrid, cells: Ints, near: Grading, until: float = math.inf) -> DividedCells:
+        """Of some cells, `until` a time of the monotonic clock."""
+        require_time(until)
+        whole = undivided(*grid.corners(cells), cells, functions.count)
+        found = divide(functions, whole, LIMITS[functions.dimension], near)
+        sampled, unresolved, cut = [], LeftOpen(), found.cut
+        if functions.dimension == 3:
+            last = [pieces.chosen(~pieces.proved) for pieces in cut]
+            cut = [pieces.chosen(pieces.proved) for pieces in cut]
+            for pieces in (some for part in last for some in _few(part, SAMPLED_AT_ONCE)):
+                require_time(until)
+                rule, part = sampled_rule(functions, pieces)
+                sampled.append(rule)
+                unresolved += part
+        parts: list[tuple[CutPieces, PlaneBases | SpaceBases]] = []
+        for pieces in together_at_once(cut):
             require_time(until)
-            rule, part = sampled_rule(functions, pieces)
+            plane = functions.dimension == 2
+            bases = PlaneBases.of(functions, pieces) if plane else SpaceBases.of(functions, pieces, near.falling, until)
+            parts.append((pieces, bases))
+            unresolved += bases.unresolved
+        return cls(functions, grid, cells, near, until, found, parts, sampled, unresolved)
+
+    def rule(self, order: int) -> RulePortion:
+        """The rule of so many points along each direction."""
+        near, found, cells, size = self.near, self.found, self.cells, self.grid.size
+        inner = tensor_rules(found.lower, found.upper, found.owner, near.orders(found.lower, found.upper, size, order))
+        rules, unresolved = [*inner, *self.sampled], self.unresolved
+        for pieces, bases in self.pieces:
+            require_time(self.until)
+            rule, part = bases.rule(near.orders(pieces.lower, pieces.upper, size, order))
             rules.append(rule)
             unresolved += part
-    for pieces in _at_once(cut):
-        require_time(until)
-        orders = near.orders(pieces.lower, pieces.upper, grid.size, order)
-        if functions.dimension == 2:
-            rule, part = plane_rule(functions, pieces, orders)
-        else:
-            rule, part = space_rule(functions, pieces, orders, near.falling, until)
-        rules.append(rule)
-        unresolved += part
-    rule = rules_together(rules)
-    counts = np.searchsorted(rule.owner, cells, "right") - np.searchsorted(rule.owner, cells)
-    content = np.bincount(np.repeat(np.arange(len(cells)), counts), rule.weights, len(cells))
-    full = np.abs(content / np.prod(upper - lower, axis=0) - 1) < 1e-12
-    # A cell whose boundary is its own side came out in another order.
-    other = full & ~np.isin(cells, found.whole) & (counts == order**functions.dimension) & ~close(whole, near.points)
-    if other.any():
-        keep = ~np.repeat(other, counts)
-        plain = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
-        points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
-        rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), plain])
-    return RulePortion(rule, cells[full], unresolved)
+        rule = rules_together(rules)
+        lower, upper = self.grid.corners(cells)
+        counts = np.searchsorted(rule.owner, cells, "right") - np.searchsorted(rule.owner, cells)
+        content = np.bincount(np.repeat(np.arange(len(cells)), counts), rule.weights, len(cells))
+        full = np.abs(content / np.prod(upper - lower, axis=0) - 1) < 1e-12
+        # A cell whose boundary is its own side came out in another order.
+        whole = undivided(lower, upper, cells, self.functions.count)
+        plain = (counts == order**self.functions.dimension) & ~close(whole, near.points)
+        other = full & ~np.isin(cells, found.whole) & plain
+        if other.any():
+            keep = ~np.repeat(other, counts)
+            made = tensor_rule(lower[:, other], upper[:, other], cells[other], order)
+            points, weights, owner = rule.points[:, keep], rule.weights[keep], rule.owner[keep]
+            rule = rules_together([replace(rule, points=points, weights=weights, owner=owner), made])
+        return RulePortion(rule, cells[full], unresolved)
 
 
 def _few(pieces: CutPieces, most: int) -> Iterator[CutPieces]:
     """Pieces, so many at once at most."""
     for first in range(0, len(pieces), most):
         yield pieces.chosen(np.arange(len(pieces)) // most == first // most)
-
-
-def _at_once(found: Sequence[CutPieces]) -> Iterator[CutPieces]:
-    """Pieces of several levels together, so that what is done for them is done once, but not too many."""
-    some: list[CutPieces] = []
-    for pieces in found:
-        if some and sum(map(len, some)) + len(pieces) > PIECES_AT_ONCE:
-            yield pieces_together(some)
-            some = []
-        if len(pieces):
-            some.append(pieces)
-    if some:
-        yield pieces_together(some)

@@ -26,7 +26,7 @@ from rsym.sampling.rules.division import (
     close,
     undivided,
 )
-from rsym.sampling.rules.portions import CellGrid, RulePortion, rule_portion
+from rsym.sampling.rules.portions import CellGrid, DividedCells, RulePortion
 from rsym.sampling.windows import bounds_or_extent
 
 ORDER = 8
@@ -228,7 +228,7 @@ class Prepared:
         grid = self.grid(cells)
         made = list(self.portions(grid, order, near, threads))
         made = made or [
-            rule_portion(self.functions, grid, np.arange(0), order, grading(None, self.functions.dimension))
+            DividedCells.of(self.functions, grid, np.arange(0), grading(None, self.functions.dimension)).rule(order)
         ]
         rule = rules_joined([portion.rule for portion in made])  # by cell, as portions are
         _, gradient = self.functions.evaluate(rule.edge_leaf, rule.edge_points)
@@ -303,23 +303,31 @@ class Prepared:
         threads: int | None,
         number: float = 1.0,
         until: float = math.inf,
+        divided: dict[bytes, DividedCells] | None = None,
     ) -> Iterator[RulePortion]:
         """The rule in some cells after the other, in about so many portions or more; they depend on the grid alone.
 
-        At a time of the monotonic clock they end with `OutOfTime`.
+        At a time of the monotonic clock they end with `OutOfTime`. Cells that were `divided` for a rule of another
+        order are not divided again.
         """
         require_count("order", order, "the number of points along each direction of a cell, for example 8")
         towards = grading(near, self.functions.dimension)
 
         def make(cells: Ints) -> RulePortion:
-            portion = rule_portion(self.functions, grid, cells, order, towards, until)
+            found = None if divided is None else divided.get(cells.tobytes())
+            if found is None:
+                found = DividedCells.of(self.functions, grid, cells, towards, until)
+                if divided is not None:
+                    divided[cells.tobytes()] = found
+            portion = found.rule(order)
             on_walls = np.isin(self.owner[portion.rule.edge_leaf], self.walls)
             if not on_walls.any():
                 return portion
             weights = np.where(on_walls, 0.0, portion.rule.edge_weights)
             return replace(portion, rule=replace(portion.rule, edge_weights=weights))
 
-        some, count = self._some_cells(grid, order, towards, number), checked_threads(threads)
+        least = order if divided is None else max(order, ORDER)
+        some, count = self._some_cells(grid, least, towards, number), checked_threads(threads)
         many = count > 1 and len(some) > 1
         yield from lasting_threads("rsym-rules", count).map(make, some) if many else map(make, some)
 

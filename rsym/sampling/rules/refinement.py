@@ -14,15 +14,19 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Flags, Floats
 from rsym.errors import warn
 from rsym.sampling.rules.deadlines import OutOfTime
-from rsym.sampling.rules.portions import CellGrid, RulePortion, boxed_portion, rule_portion
+from rsym.sampling.rules.portions import CellGrid, DividedCells, RulePortion, boxed_portion
 from rsym.sampling.rules.quadrature import Prepared, grading
 
 TOLERANCE = {2: 1e-12, 3: 1e-10}
 CELLS = {2: 8, 3: 6}  # along the longest side at first
-ORDERS = 4  # points along each direction from one rule to the next
+# Points along each direction from one rule to the next; in space half up to the usual order: so many points are dear.
+ORDERS = 4
 HIGHEST = 20  # beyond, cells are halved instead
+LEAST_PORTIONS = {2: 0, 3: 8}  # of a rule, that are the same ones for the next order
 AT_ONCE = 2e6  # points of a portion of a rule, about
 MOST_POINTS = {2: 2e6, 3: 6e6}  # a few seconds
+# Where no tolerance is given, and the next rule has more points, so small a relative error is enough.
+ENOUGH, CHEAP = 1e-6, 1e6
 FALLING = {2: 0.0, 3: 0.5}  # see `Grading`: parts of cells in space are many
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 AT_FIRST = 0.1  # of the time that there is, for what boxes tell
@@ -142,13 +146,17 @@ def refined(
     agree too.
     """
     met: set[int] = set()
+    divided: dict[tuple[int, ...], dict[bytes, DividedCells]] = {}  # of the grid in use
 
     def summed() -> tuple[Sums, int]:
         grid = shape.grid(count, aside=dimension == 3)
         total, made = quantities(nothing), 0
         total = replace(total, rounding=np.zeros_like(total.rounding))  # of what no cell may meet
-        number = points * (highest * count / spacing) ** dimension / AT_ONCE
-        for portion in shape.portions(grid, highest, towards, threads, number, until):
+        number = max(LEAST_PORTIONS[dimension], points * (highest * count / spacing) ** dimension / AT_ONCE)
+        if grid.counts not in divided:
+            divided.clear()
+        known = divided.setdefault(grid.counts, {})
+        for portion in shape.portions(grid, highest, towards, threads, number, until, known):
             total += quantities(portion)
             made += len(portion.rule.weights)
             met.update(np.unique(portion.rule.edge_leaf).tolist())
@@ -160,13 +168,16 @@ def refined(
         apart = _apart(now, last, older, count * highest / along)
         return Refined(sums, before, count, highest, apart)
 
+    def step() -> int:
+        return ORDERS // 2 if dimension == 3 and highest < order else ORDERS
+
     dimension = shape.functions.dimension
     towards = replace(grading(near, dimension), falling=FALLING[dimension])
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
     # In space a rule of half the order costs an eighth, and is exact where faces are plane.
     count, highest = CELLS[dimension] if cells is None else cells, order if dimension == 2 else max(1, order // 2)
     points, spacing = 0, count * highest
-    nothing = rule_portion(shape.functions, shape.grid(count), np.arange(0), highest, towards)
+    nothing = DividedCells.of(shape.functions, shape.grid(count), np.arange(0), towards).rule(highest)
     found = _boxed(shape, quantities, shape.grid(count), quantities(nothing), until)
     try:
         sums, points = summed()
@@ -181,7 +192,7 @@ def refined(
             if highest + ORDERS > max(HIGHEST, order + ORDERS):
                 count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
             else:
-                highest += ORDERS
+                highest += step()
             sums, points = summed()
             found = compared()
             if not found.improves(least).any():
@@ -195,7 +206,9 @@ def refined(
                 found = compared()
                 if not found.improves(least).any():
                     return told(found, points, least)
-            if ((highest + ORDERS) / highest) ** dimension * points > MOST_POINTS[dimension]:
+            following = ((highest + step()) / highest) ** dimension * points
+            enough = tolerance is None and following > CHEAP and not found.improves(ENOUGH).any()
+            if enough or following > MOST_POINTS[dimension]:
                 return told(found, points, least)
     except OutOfTime:
         return _out_of_time(found, points, least)

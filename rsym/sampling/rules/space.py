@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.bases import BOTH, plane_rule
+from rsym.sampling.rules.bases import BOTH, PlaneBases
 from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, rules_together, tensor_rules
 from rsym.sampling.rules.curves import Risers, along, coincide, heights_between, placed
 from rsym.sampling.rules.deadlines import require_time
@@ -27,6 +27,7 @@ from rsym.sampling.rules.division import (
     Limits,
     divide,
     starts,
+    together_at_once,
 )
 from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
 
@@ -36,44 +37,67 @@ STEPS, INTO = 3, 5  # of Newton to a height, and of secants into a valley
 SMALL = 0.3  # of the base of a piece: a quarter
 
 
-def space_rule(
-    functions: BoundedFunctions, pieces: CutPieces, orders: Ints, falling: float, until: float
-) -> tuple[CellRule, LeftOpen]:
-    """The rule on pieces in space with a height, and what is not resolved, of them and over parts of their bases.
+@dataclass(frozen=True)
+class SpaceBases:
+    """The bases of pieces in space with a height, parted: what is the same for rules of any order.
 
-    orders : (pieces,), the points along each direction; over small parts of bases `falling` by their size;
-    `until` a time of the monotonic clock.
+    Attributes
+    ----------
+    base : BaseFunctions
+        What parts them.
+    found : Divided
+        The parts.
+    planes : list of (CutPieces, PlaneBases)
+        Those that a function crosses, and what a plane rule on them is made of.
+    unresolved : LeftOpen
+        What is not resolved over parts of the bases.
+    falling : float
+        So many points less along each direction over a part of half the size.
     """
 
-    def lower_orders(part: CutPieces | Divided) -> Ints:
-        halvings = np.log2((base.cells.upper - base.cells.lower)[0, part.owner] / (part.upper - part.lower)[0])
-        least = np.minimum(orders[part.owner], LEAST)
-        found: Ints = np.maximum(np.ceil(orders[part.owner] - falling * np.maximum(halvings - 1, 0)), least)
-        return found.astype(np.int64)
+    base: BaseFunctions
+    found: Divided
+    planes: list[tuple[CutPieces, PlaneBases]]
+    unresolved: LeftOpen
+    falling: float
 
-    columns = Columns.of(functions, pieces)
-    base = BaseFunctions.of(columns, until)
-    found = divide(base, base.cells, LIMITS)
-    rules = tensor_rules(found.lower, found.upper, found.owner, lower_orders(found))
-    tall, unresolved = columns.height[1] - columns.height[0], LeftOpen()
-    for parts in found.cut:
-        if len(parts):
-            rules.append(plane_rule(base, parts, lower_orders(parts))[0])
+    @classmethod
+    def of(cls, functions: BoundedFunctions, pieces: CutPieces, falling: float, until: float) -> SpaceBases:
+        """Of pieces; `until` a time of the monotonic clock."""
+        columns = Columns.of(functions, pieces)
+        base = BaseFunctions.of(columns, until)
+        found = divide(base, base.cells, LIMITS)
+        tall, unresolved, planes = columns.height[1] - columns.height[0], LeftOpen(), []
+        for parts in together_at_once(found.cut):
+            planes.append((parts, PlaneBases.of(base, parts)))
             some = ~parts.proved
             width, own = (parts.upper - parts.lower)[:, some], parts.owner[some]
             area = np.prod(width, axis=0)
             walled = width.max(axis=0, initial=0.0) * np.bincount(parts.piece, base.walls[parts.leaf], len(parts))[some]
             unresolved += LeftOpen(float(area @ tall[own]), float(BOTH * area.sum() + walled @ tall[own]))
-    flat = rules_together(rules)
-    require_time(until)
-    lines = columns.lines(flat.owner, flat.points)
-    walls = columns.lines(flat.edge_owner, flat.edge_points)
-    kind = np.where(flat.edge_leaf < 0, LAST, BETWEEN)
-    leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
-    left, right = _sides(columns, flat, leaf)
-    along_walls = walls.walked_upright(kind, left, right, flat.edge_weights)
-    rule, lost = columns.rule(lines, flat.weights, walls, along_walls, orders)
-    return rule, unresolved + lost
+        return cls(base, found, planes, unresolved, falling)
+
+    def rule(self, orders: Ints) -> tuple[CellRule, LeftOpen]:
+        """The rule of so many points (pieces,) along each direction, and what of it is not resolved."""
+        base, columns = self.base, self.base.columns
+
+        def lower_orders(part: CutPieces | Divided) -> Ints:
+            halvings = np.log2((base.cells.upper - base.cells.lower)[0, part.owner] / (part.upper - part.lower)[0])
+            least = np.minimum(orders[part.owner], LEAST)
+            lower: Ints = np.maximum(np.ceil(orders[part.owner] - self.falling * np.maximum(halvings - 1, 0)), least)
+            return lower.astype(np.int64)
+
+        rules = tensor_rules(self.found.lower, self.found.upper, self.found.owner, lower_orders(self.found))
+        rules += [bases.rule(lower_orders(parts))[0] for parts, bases in self.planes]
+        flat = rules_together(rules)
+        require_time(base.until)
+        lines = columns.lines(flat.owner, flat.points)
+        walls = columns.lines(flat.edge_owner, flat.edge_points)
+        kind = np.where(flat.edge_leaf < 0, LAST, BETWEEN)
+        leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
+        left, right = _sides(columns, flat, leaf)
+        along_walls = walls.walked_upright(kind, left, right, flat.edge_weights)
+        return columns.rule(lines, flat.weights, walls, along_walls, orders)
 
 
 def _sides(columns: Columns, flat: CellRule, leaf: Ints) -> tuple[Any, Any]:
