@@ -7,10 +7,12 @@ leaves' heights h over the base: h' = -f_s/f_t.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.compiled import loop
 from rsym.sampling.rules.division import BoundedFunctions
 from rsym.sampling.rules.isolation import Brackets, roots
 from rsym.sampling.rules.walks import SAME
@@ -24,12 +26,23 @@ STEP = np.array([0.7548776662466927, 0.5698402909980532])
 
 def placed(height_axis: Ints, base: Floats, height: Floats) -> Floats:
     """Points (dim, n) with these places (n,), or (2, n) in space, along the base and along the height."""
-    if base.ndim == 1:
-        upright = height_axis == 1
-        return np.stack([np.where(upright, base, height), np.where(upright, height, base)])
-    first = np.where(height_axis == 0, height, base[0])
-    second = np.where(height_axis == 1, height, np.where(height_axis == 0, base[0], base[1]))
-    return np.stack([first, second, np.where(height_axis == 2, height, base[1])])
+    places = np.atleast_2d(base)
+    points = np.empty((len(places) + 1, places.shape[1]))
+    place_points(height_axis, places, np.ascontiguousarray(height), points)
+    return points
+
+
+@loop
+def place_points(axis: Any, base: Any, height: Any, points: Any) -> None:
+    """The height at its axis, the places of the base at the others, in order."""
+    for k in range(points.shape[1]):
+        other = 0
+        for j in range(points.shape[0]):
+            if j == axis[k]:
+                points[j, k] = height[k]
+            else:
+                points[j, k] = base[other, k]
+                other += 1
 
 
 def along(gradient: Floats, axis: Ints) -> Floats:

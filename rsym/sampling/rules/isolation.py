@@ -14,6 +14,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from rsym.arrays import Floats, Ints
+from rsym.sampling.compiled import loop
 
 # Few intervals are parted so often at once: what is left of a double root takes as many steps as one.
 FEW, AT_ONCE = 64, 5
@@ -125,20 +126,37 @@ def roots(curves: Curves, brackets: Brackets) -> Floats:
     a, b, x = lower[live], upper[live], place[live]
     rising, which = above[live] > 0, brackets.which[live]
     near = np.maximum(CLOSE * (b - a), ROUNDING * np.maximum(np.abs(a), np.abs(b)))
+    x = np.where((x >= a) & (x <= b), x, a / 2 + b / 2)  # NaN too
+    count = len(live)
     for number in range(STEPS):
-        if not len(live):
+        if not count:
             break
-        x = np.where((x >= a) & (x <= b), x, a / 2 + b / 2)  # NaN too
-        value, slope = curves.evaluate(which, x)
-        right = (value > 0) == rising  # the root is to the left of x
-        a, b = np.where(right, a, x), np.where(right, x, b)
-        with np.errstate(all="ignore"):
-            following = np.where(value == 0, x, x - value / slope)
-        done = (np.abs(following - x) <= near) | (b - a <= near) | (number == STEPS - 1)
-        found[live[done]] = np.where(following >= a, np.where(following <= b, following, b), a)[done]
-        if number >= HASTE and number % 3 == 0:
-            following = a / 2 + b / 2
-        going = ~done
-        rest: Any = [v[going] for v in (live, which, a, b, following, rising, near)]
-        live, which, a, b, x, rising, near = rest
+        value, slope = curves.evaluate(which[:count], x[:count])
+        halved, last = number >= HASTE and number % 3 == 0, number == STEPS - 1
+        count = step_to_roots(value, slope, halved, last, live, which, a, b, x, rising, near, found)
     return found
+
+
+@loop
+def step_to_roots(
+    value: Any, slope: Any, halved: bool, last: bool, live: Any, which: Any, lower: Any, upper: Any, at: Any,
+    rising: Any, near: Any, found: Any,
+) -> int:  # fmt: skip
+    """A Newton step of each function in its bracket, which closes; those still sought are moved to the front."""
+    count = 0
+    for k in range(len(value)):
+        a, b, x = lower[k], upper[k], at[k]
+        if (value[k] > 0) == rising[k]:  # the root is to the left of x
+            b = x
+        else:
+            a = x
+        following = x if value[k] == 0 else x - value[k] / slope[k]
+        if last or abs(following - x) <= near[k] or b - a <= near[k]:
+            found[live[k]] = min(following, b) if following >= a else a
+            continue
+        if halved or not a <= following <= b:  # NaN too
+            following = a / 2 + b / 2
+        lower[count], upper[count], at[count] = a, b, following
+        live[count], which[count], rising[count], near[count] = live[k], which[k], rising[k], near[k]
+        count += 1
+    return count
