@@ -190,8 +190,7 @@ def _finer(lattice: Lattice) -> Lattice:
 
 def _on_lattice(first: Ints, high: Flags) -> _Cells:
     corners = (first[:, None] + _CORNERS).reshape(-1, 2)
-    sides = (UNIT // 2) * (2 * first[:, None] + _MIDDLES)
-    return _Cells(first, high[tuple(corners.T)].reshape(-1, 4), sides)
+    return _Cells(first, high[tuple(corners.T)].reshape(-1, 4), (UNIT // 2) * (2 * first[:, None] + _MIDDLES))
 
 
 def _elsewhere(high: Flags, known: Flags, apart: Ints) -> _Cells:
@@ -330,14 +329,15 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
 
 
 def _tips_around(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> tuple[Flags, Flags]:
-    """Of which cells, if they are few, either side is one piece in those around; of which one comes and ends there."""
+    """Of which cells, if they are few, either side is one piece around, of corners too; of which one comes and ends."""
     if not 0 < len(first) <= FEW:
         return (np.zeros(len(first), np.bool_),) * 2
     count = (2 * AROUND_ENDS + 1) * PARTS + 1
     inside = np.indices((count, count)).reshape(2, -1).T / PARTS - AROUND_ENDS
     high = leaves.active(lattice.points((first[:, None] + inside).reshape(-1, 2)))[0].reshape(-1, count, count) >= 0
     borders = [np.stack([side[:, 0], side[:, -1], side[:, :, 0], side[:, :, -1]]).any(axis=2) for side in (high, ~high)]
-    tips = np.asarray((pieces(high) == 1) & (pieces(~high) == 1))
+    corners = high[:, ::PARTS, ::PARTS]  # between which lines go
+    tips = (pieces(high) == 1) & (pieces(~high) == 1) & (pieces(corners) <= 1) & (pieces(~corners) <= 1)
     return tips, tips & (np.count_nonzero(borders, axis=1) == 1).any(axis=0)
 
 
