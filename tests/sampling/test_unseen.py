@@ -43,6 +43,7 @@ def test_a_tip_within_one_leaf_is_no_doubt(resolution):
     assert lines_of(rsym.paper.skeleton_body(), resolution).status.unseen == 0
 
 
+@pytest.mark.filterwarnings("ignore:Unresolved")
 @pytest.mark.parametrize(("long", "thick", "turn", "resolution"), [(1, 0.001, 1.1, 24), (0.8, 0.0005, 0.3, 100)])
 def test_the_end_of_a_thin_oval_in_pieces_is_told(long, thick, turn, resolution):
     """Samples within cells show one piece where the corners, between which lines go, show several."""
