@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Flags, Floats
 from rsym.errors import warn
 from rsym.sampling.rules.deadlines import OutOfTime
-from rsym.sampling.rules.portions import CellGrid, DividedCells, RulePortion, boxed_portion
+from rsym.sampling.rules.division import Grading
+from rsym.sampling.rules.portions import DividedCells, RulePortion, boxed_portion
 from rsym.sampling.rules.quadrature import Prepared, grading
 
 TOLERANCE = {2: 1e-12, 3: 1e-10}
@@ -26,7 +27,7 @@ LEAST_PORTIONS = {2: 0, 3: 8}  # of a rule, that are the same ones for the next 
 AT_ONCE = 2e6  # points of a portion of a rule, about
 MOST_POINTS = {2: 2e6, 3: 6e6}  # a few seconds
 # Where no tolerance is given, and the next rule has more points, so small a relative error is enough.
-ENOUGH, CHEAP = 1e-6, 1e6
+ENOUGH, CHEAP = 1e-6, {2: math.inf, 3: 1e6}
 FALLING = {2: 0.0, 3: 0.5}  # see `Grading`: parts of cells in space are many
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 AT_FIRST = 0.1  # of the time that there is, for what boxes tell
@@ -145,73 +146,99 @@ def refined(
     Where what is added may have `peaks` that all points of these cells miss, a rule on other and smaller cells has to
     agree too.
     """
-    met: set[int] = set()
-    divided: dict[tuple[int, ...], dict[bytes, DividedCells]] = {}  # of the grid in use
-
-    def summed() -> tuple[Sums, int]:
-        grid = shape.grid(count, aside=dimension == 3)
-        total, made = quantities(nothing), 0
-        total = replace(total, rounding=np.zeros_like(total.rounding))  # of what no cell may meet
-        number = max(LEAST_PORTIONS[dimension], points * (highest * count / spacing) ** dimension / AT_ONCE)
-        if grid.counts not in divided:
-            divided.clear()
-        known = divided.setdefault(grid.counts, {})
-        for portion in shape.portions(grid, highest, towards, threads, number, until, known):
-            total += quantities(portion)
-            made += len(portion.rule.weights)
-            met.update(np.unique(portion.rule.edge_leaf).tolist())
-        return total, made
-
-    def compared() -> Refined:
-        with np.errstate(invalid="ignore"):  # of sums that are not finite
-            now, last, older = np.abs(sums.values - before), np.abs(before - earlier), np.abs(earlier - first)
-        apart = _apart(now, last, older, count * highest / along)
-        return Refined(sums, before, count, highest, apart)
-
-    def step() -> int:
-        return ORDERS // 2 if dimension == 3 and highest < order else ORDERS
-
     dimension = shape.functions.dimension
     towards = replace(grading(near, dimension), falling=FALLING[dimension])
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
     # In space a rule of half the order costs an eighth, and is exact where faces are plane.
     count, highest = CELLS[dimension] if cells is None else cells, order if dimension == 2 else max(1, order // 2)
-    points, spacing = 0, count * highest
-    nothing = DividedCells.of(shape.functions, shape.grid(count), np.arange(0), towards).rule(highest)
-    found = _boxed(shape, quantities, shape.grid(count), quantities(nothing), until)
+    rules = _Rules(shape, quantities, towards, threads, until)
+    found = rules.boxed(count, highest)
     try:
-        sums, points = summed()
-        before = earlier = np.full_like(sums.values, np.nan)
-        with np.errstate(invalid="ignore"):  # of sums that are not finite
-            apart, unresolved = np.abs(sums.values - found.found.values), found.found.unresolved
-        found = Refined(replace(sums, unresolved=unresolved), before, count, highest, apart)
-        shape.warn_of_cuts(shape.owner[sorted(met)])
+        found = rules.first(found, count, highest)
         while True:
-            first, earlier, before, along = earlier, before, sums.values, count * highest
-            spacing = along
             if highest + ORDERS > max(HIGHEST, order + ORDERS):
                 count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
             else:
-                highest += step()
-            sums, points = summed()
-            found = compared()
+                highest += _step(dimension, highest, order)
+            found = rules.compared(count, highest)
             if not found.improves(least).any():
                 finer = FINER[dimension] * count + 1
-                if not peaks or (finer / count) ** dimension * points > MOST_POINTS[dimension]:
-                    return told(found, points, least)
-                first, earlier, before, along = earlier, before, sums.values, count * highest
-                spacing = along
+                if not peaks or (finer / count) ** dimension * rules.points > MOST_POINTS[dimension]:
+                    return told(found, rules.points, least)
                 count, highest = finer, order
-                sums, points = summed()
-                found = compared()
+                found = rules.compared(count, highest)
                 if not found.improves(least).any():
-                    return told(found, points, least)
-            following = ((highest + step()) / highest) ** dimension * points
-            enough = tolerance is None and following > CHEAP and not found.improves(ENOUGH).any()
-            if enough or following > MOST_POINTS[dimension]:
-                return told(found, points, least)
+                    return told(found, rules.points, least)
+            points = ((highest + _step(dimension, highest, order)) / highest) ** dimension * rules.points
+            enough = tolerance is None and points > CHEAP[dimension] and not found.improves(ENOUGH).any()
+            if enough or points > MOST_POINTS[dimension]:
+                return told(found, rules.points, least, enough)
     except OutOfTime:
-        return _out_of_time(found, points, least)
+        return _out_of_time(found, rules.points, least)
+
+
+def _step(dimension: int, highest: int, order: int) -> int:
+    """How many points along each direction the next rule has more."""
+    return ORDERS // 2 if dimension == 3 and highest < order else ORDERS
+
+
+class _Rules:
+    """Sums over one rule after the other, each held against those before; `points` of the last."""
+
+    def __init__(
+        self, shape: Prepared, quantities: Quantities, near: Grading, threads: int | None, until: float
+    ) -> None:
+        self._shape, self._quantities, self._near, self._threads, self._until = shape, quantities, near, threads, until
+        self._divided: dict[tuple[int, ...], dict[bytes, DividedCells]] = {}  # cells of the grid in use
+        self._met: set[int] = set()
+        self._values: list[Floats] = []
+        self._along = self.points = 0
+
+    def boxed(self, count: int, order: int) -> Refined:
+        """What boxes tell where the time is short, else nothing."""
+        grid, functions = self._shape.grid(count), self._shape.functions
+        self._nothing = self._quantities(DividedCells.of(functions, grid, np.arange(0), self._near).rule(order))
+        sums = replace(self._nothing, unresolved=np.full_like(self._nothing.values, np.inf))
+        if self._until < math.inf:
+            now = time.monotonic()
+            sums = self._quantities(boxed_portion(functions, grid, now + AT_FIRST * max(0.0, self._until - now)))
+        return Refined(sums, sums.values, max(grid.counts), 1, np.zeros_like(sums.values))
+
+    def first(self, boxed: Refined, count: int, order: int) -> Refined:
+        """The first sums, held against what boxes tell."""
+        sums = self._summed(count, order)
+        with np.errstate(invalid="ignore"):  # of sums that are not finite
+            apart = np.abs(sums.values - boxed.found.values)
+        self._shape.warn_of_cuts(self._shape.owner[sorted(self._met)])
+        unknown = np.full_like(sums.values, np.nan)
+        self._values = [sums.values, unknown, unknown]
+        return Refined(replace(sums, unresolved=boxed.found.unresolved), unknown, count, order, apart)
+
+    def compared(self, count: int, order: int) -> Refined:
+        """The next sums, held against the last three."""
+        along = self._along
+        sums = self._summed(count, order)
+        before, earlier, first = self._values
+        with np.errstate(invalid="ignore"):  # of sums that are not finite
+            now, last, older = np.abs(sums.values - before), np.abs(before - earlier), np.abs(earlier - first)
+        self._values = [sums.values, before, earlier]
+        return Refined(sums, before, count, order, _apart(now, last, older, count * order / along))
+
+    def _summed(self, count: int, order: int) -> Sums:
+        dimension = self._shape.functions.dimension
+        grid = self._shape.grid(count, aside=dimension == 3)
+        total, made = replace(self._nothing, rounding=np.zeros_like(self._nothing.rounding)), 0
+        number = self.points * (order * count / self._along) ** dimension / AT_ONCE if self._along else 0.0
+        if grid.counts not in self._divided:
+            self._divided.clear()
+        known = self._divided.setdefault(grid.counts, {})
+        least = max(LEAST_PORTIONS[dimension], number)
+        for portion in self._shape.portions(grid, order, self._near, self._threads, least, self._until, known):
+            total += self._quantities(portion)
+            made += len(portion.rule.weights)
+            self._met.update(np.unique(portion.rule.edge_leaf).tolist())
+        self.points, self._along = made, order * count
+        return total
 
 
 def _out_of_time(found: Refined, points: int, least: float) -> Refined:
@@ -225,27 +252,17 @@ def _out_of_time(found: Refined, points: int, least: float) -> Refined:
     return found
 
 
-def _boxed(shape: Prepared, quantities: Quantities, grid: CellGrid, nothing: Sums, until: float) -> Refined:
-    """What boxes tell where the time is short, else nothing."""
-    sums = replace(nothing, unresolved=np.full_like(nothing.values, np.inf))
-    if until < math.inf:
-        now = time.monotonic()
-        sums = quantities(boxed_portion(shape.functions, grid, now + AT_FIRST * max(0.0, until - now)))
-    return Refined(sums, sums.values, max(grid.counts), 1, np.zeros_like(sums.values))
-
-
-def told(found: Refined, points: int, least: float) -> Refined:
-    """The sums; what they leave open beyond a tolerance is warned of."""
+def told(found: Refined, points: int, least: float, enough: bool = False) -> Refined:
+    """The sums; what they leave open beyond a tolerance is warned of, that it may be asked for where it is `enough`."""
     if np.isinf(found.errors).any():
         warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
     elif (over := found.beyond(least)).any():
         with np.errstate(divide="ignore"):
             worst = float((found.errors[over] / found.found.scales[over]).max())
         if found.improves(least).any():
-            why = (
-                f"so much do rules of {points:.1e} points differ; near= points where the function or the boundary "
-                "varies fast may help"
-            )
+            more = "near= points where the function or the boundary varies fast may help"
+            more = f"tolerance={least:.0e} asks for more" if enough else more
+            why = f"so much do rules of {points:.1e} points differ; {more}"
         else:
             why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
         warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
