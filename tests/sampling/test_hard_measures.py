@@ -2,13 +2,17 @@
 
 import math
 import random
+from dataclasses import replace
 
+import numpy as np
 import pytest
 import sympy as sp
 from oracles.tiers import SEED
 
 import rsym
 from rsym import x, y, z
+from rsym.sampling.rules.division import undivided
+from rsym.sampling.rules.quadrature import prepared
 
 DISC, BALL = 1 - x**2 - y**2, 1 - x**2 - y**2 - z**2
 WINDOW = ((-1.5, 1.5),) * 3
@@ -112,6 +116,42 @@ def test_the_heart_has_a_volume_and_a_surface():
     # The integral of sqrt(c**2 - 4*(x**2 + 9/4*y**2 - 1)), c the cube root of x**2 + 9/80*y**2, over where it is real.
     assert holds(found.volume, 3.345101518288572687)
     assert found.surface.error < 2e-6 * found.surface
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:an integral is known to a relative error of about [1-9]e-07")
+def test_a_rounded_cup_whose_flush_faces_are_multiples_of_one_another():
+    cup = rsym.cylinder(20, 40, system=rsym.Rho(3)) - rsym.cylinder(17, 40, system=rsym.Rho(3)).translate(0, 0, 3)
+    found = rsym.measure(cup)
+
+    def cut(radius):  # by Pappus: what a rounded edge lacks
+        return 2 * math.pi * ((radius - 3) * 9 * (1 - math.pi / 4) + 4.5)
+
+    assert holds(found.volume, math.pi * (400 * 40 - 289 * 37) - 2 * cut(20) + cut(17))
+    assert holds(found.parts["20 - Abs(z)"], 289 * math.pi)
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:the shape's own bounds", "ignore:an integral is known to a relative")
+def test_the_faces_that_a_surface_with_four_nodes_touches_along_lines_have_no_area():
+    cubic = rsym.Shape(1 - (x**2 + y**2 + z**2 - 2 * x * y * z), (x, y, z), bounds=((-1, 1),) * 3)
+    found = rsym.measure(cubic)
+    assert holds(found.volume, math.pi**2 / 2)
+    assert holds(found.surface, 5 * math.pi)
+    caps = [part for name, part in found.parts.items() if name.startswith("cap")]
+    assert len(caps) == 6
+    assert all(abs(cap) <= cap.error for cap in caps)
+
+
+def test_of_leaves_that_are_multiples_of_one_another_one_sign_is_asked():
+    """Of a and (s or not a and u) the sign does not hang on u where all three are open."""
+    a, s, u = (rsym.Shape(leaf, (x, y)) for leaf in (y + x / 4, x - y / 8, 1 - 2 * x - (y - 1) ** 2))
+    shape = a & (s | (~rsym.Shape(3 * y + sp.Rational(3, 4) * x, (x, y)) & u)) & rsym.disc(3)
+    functions = prepared(shape, None, None).functions
+    pieces = undivided(*np.array([[[-0.01], [-0.01]], [[0.01], [0.01]]]), np.array([0]), functions.count)
+    value, gradient = functions.enclose(pieces.leaf, pieces.lower[:, pieces.piece], pieces.upper[:, pieces.piece])
+    _, verdict, kept = functions.judge(replace(pieces, gradient=gradient), value)
+    assert (verdict[0], kept.sum()) == (0, 3)
 
 
 @pytest.mark.filterwarnings("ignore::rsym.RsymWarning")  # the bounds cut it, and it ends where the root does

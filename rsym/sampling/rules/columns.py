@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.curves import Risers, along, heights_between, placed
+from rsym.sampling.rules.curves import Risers, across, along, coincide, heights_between, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces, span, starts
 from rsym.sampling.rules.lines import Lines, Panels
+from rsym.sampling.rules.walks import SAME
 
 
 @cache
@@ -55,13 +56,17 @@ class CellRule:
 
 @dataclass(frozen=True)
 class LeftOpen:
-    """How much of the measures of inside and of boundary a rule may be wrong by, where nothing is proved."""
+    """How much of the measures of inside and of boundary a rule may be wrong by, where nothing is proved.
+
+    shared : of the boundary, where leaves touch closer than rounding: it may be of either.
+    """
 
     content: float = 0.0
     boundary: float = 0.0
+    shared: float = 0.0
 
     def __add__(self, other: LeftOpen) -> LeftOpen:
-        return LeftOpen(self.content + other.content, self.boundary + other.boundary)
+        return LeftOpen(self.content + other.content, self.boundary + other.boundary, self.shared + other.shared)
 
 
 def rules_joined(rules: Sequence[CellRule]) -> CellRule:
@@ -147,6 +152,32 @@ class Columns:
         begin = starts(np.diff(pieces.start)[piece])
         ends, upright = self.height[:, piece], self.upright[pair]
         return Lines(self.functions, piece, base, ends, begin, leaf, upright, below, above, root)
+
+    def touching(self, lines: Lines, weight: Floats) -> float:
+        """The weight of lines that meet two surfaces closer together than it is known where it meets each."""
+        functions, pieces = self.functions, self.pieces
+        line = np.repeat(np.arange(len(lines.piece)), np.diff(lines.begin))
+        some = np.flatnonzero((lines.below > 0) != (lines.above > 0))
+        some = some[np.lexsort((lines.root[some], line[some]))]
+        pair = np.stack([some[:-1], some[1:]])
+        gap = lines.root[pair[1]] - lines.root[pair[0]]
+        near = (line[pair[0]] == line[pair[1]]) & (gap <= np.sqrt(functions.tolerance))
+        pair, gap = pair[:, near], gap[near]
+        own = lines.piece[line[pair[0]]]
+        axis, base = pieces.axis[own], lines.base[..., line[pair[0]]]
+        known = np.zeros(len(gap))
+        with np.errstate(divide="ignore"):
+            for one in pair:
+                _, gradient = functions.evaluate(lines.leaf[one], placed(axis, base, lines.root[one]))
+                known += SAME * functions.tolerance * np.maximum(1 / np.abs(along(gradient, axis)), 1.0)
+        pair, own = pair[:, gap <= known], own[gap <= known]
+        if not len(own):
+            return 0.0
+        key = np.stack([own, *np.sort(lines.leaf[pair], axis=0)])
+        (own, *leaves), back = np.unique(key, axis=1, return_inverse=True)
+        ends = [across(end, pieces.axis[own]) for end in (pieces.lower[:, own], pieces.upper[:, own])]
+        same = coincide(functions, np.stack(leaves), pieces.axis[own], self.height[:, own], np.stack(ends))
+        return float(weight[np.unique(line[pair[0]][~same[back.ravel()]])].sum())
 
     def pairs(self, piece: Ints) -> tuple[Ints, Ints]:
         """For pieces in any order, the leaves that matter in each: the number in the order, and of piece and leaf."""

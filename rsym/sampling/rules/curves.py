@@ -51,6 +51,12 @@ def along(gradient: Floats, axis: Ints) -> Floats:
     return found
 
 
+def across(gradient: Floats, axis: Ints) -> Floats:
+    """The components of gradients (3, n), or of their bounds (3, 2, n), along the base."""
+    remaining = np.array([[1, 2], [0, 2], [0, 1]])[axis].T
+    return np.take_along_axis(gradient, remaining if gradient.ndim == 2 else remaining[:, None], axis=0)
+
+
 @dataclass(frozen=True)
 class EndCurves:
     """Leaves along the base, at a fixed height of their piece."""

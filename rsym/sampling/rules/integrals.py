@@ -99,7 +99,8 @@ def integrate(
         else:
             some, lost = made.labels(rule).on(over), portion.unresolved.boundary
             points, weights = rule.edge_points[:, some], rule.edge_weights[some]
-            rounding = boundary_rounding(made, weights.sum())
+            shared = 0.0 if over == BOUNDARY else portion.unresolved.shared
+            rounding = boundary_rounding(made, weights.sum()) + shared
         values = function(points.T)
         size = np.abs(values).max(initial=0.0)
         return Sums(*np.array([[weights @ values], [weights @ np.abs(values)], [lost * size], [rounding * size]]))

@@ -198,11 +198,12 @@ def measure(
         values = np.array([rule.weights.sum(), parts.sum(), *parts, *(away @ rule.weights), *moments])
         reach = float(np.abs(away).max(initial=0.0))
 
-        def like(content: float, boundary: float) -> Floats:
-            edges, first, second = [boundary] * (1 + len(names)), [reach * content] * dimension, [reach**2 * content]
+        def like(content: float, boundary: float, shared: float = 0.0) -> Floats:
+            edges = boundary, *[boundary + shared] * len(names)
+            first, second = [reach * content] * dimension, [reach**2 * content]
             return np.array([content, *edges, *first, *second * len(rows)])
 
-        rounding = made.resolution * values[1], boundary_rounding(made, values[1])
+        rounding = made.resolution * values[1], boundary_rounding(made, values[1]), lost.shared
         return Sums(values, like(values[0], values[1]), like(lost.content, lost.boundary), like(*rounding))
 
     while True:

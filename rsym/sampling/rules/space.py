@@ -15,7 +15,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.bases import BOTH, PlaneBases
 from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, rules_together, tensor_rules
-from rsym.sampling.rules.curves import Risers, along, coincide, heights_between, placed
+from rsym.sampling.rules.curves import Risers, across, along, coincide, heights_between, placed
 from rsym.sampling.rules.deadlines import require_time
 from rsym.sampling.rules.division import (
     INSIDE,
@@ -97,7 +97,8 @@ class SpaceBases:
         leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
         left, right = _sides(columns, flat, leaf)
         along_walls = walls.walked_upright(kind, left, right, flat.edge_weights)
-        return columns.rule(lines, flat.weights, walls, along_walls, orders)
+        rule, unresolved = columns.rule(lines, flat.weights, walls, along_walls, orders)
+        return rule, unresolved + LeftOpen(shared=BOTH * columns.touching(lines, flat.weights))
 
 
 def _sides(columns: Columns, flat: CellRule, leaf: Ints) -> tuple[Any, Any]:
@@ -378,9 +379,3 @@ class BaseFunctions:
         known = (low > 0) | (high < 0)
         steepest = ratios.min(axis=(0, 2)), ratios.max(axis=(0, 2))
         return np.stack([np.where(known, steepest[0], -np.inf), np.where(known, steepest[1], np.inf)], axis=1)
-
-
-def across(gradient: Floats, axis: Ints) -> Floats:
-    """The components of gradients (3, n), or of their bounds (3, 2, n), along the base."""
-    remaining = np.array([[1, 2], [0, 2], [0, 1]])[axis].T
-    return np.take_along_axis(gradient, remaining if gradient.ndim == 2 else remaining[:, None], axis=0)
