@@ -52,8 +52,7 @@ def integrate(
     over : str
         ``inside``, ``boundary`` (sides of bounds that cap the shape included), or the name of a part.
     tolerance : float, optional
-        Of the error, relative to the integral of |f|; by default 1e-12 in the plane and 1e-10 in space, there 1e-6
-        where the next rule would have more than a million points.
+        Of the error, relative to the integral of |f|; by default 1e-12 in the plane and 1e-10 in space.
     cells : int, optional
         To begin with, along the longest side.
     order, bounds, letters, near, threads

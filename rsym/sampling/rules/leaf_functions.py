@@ -33,6 +33,7 @@ from rsym.sampling.rules.walks import form_sign
 from rsym.sampling.sharp.crossings import CompiledLeaves
 
 FEW = 8  # leaves of which all combinations of signs are tried
+FACTOR, MODULUS = 1_000_003, (1 << 31) - 1  # numbers of what is reached are equal by chance once in 2e9
 EPSILON = float(np.finfo(np.float64).eps)
 
 
@@ -257,7 +258,8 @@ def judge_form(
 def tried(gates: Any, first: Any, turned: Any, signs: Any, known: Any, group: Any, wanted: Any) -> int:
     """The sign of a form of open sign whose leaves of open sign may be multiples of one another; wanted are then fewer.
 
-    These have one sign: all combinations of signs are tried, if they are few.
+    These have one sign: all combinations of signs are tried, if they are few. A leaf is wanted if the form depends on
+    it, or by which of the gates the boundary is.
     """
     free, several = 0, False
     for k in range(len(signs)):
@@ -271,21 +273,54 @@ def tried(gates: Any, first: Any, turned: Any, signs: Any, known: Any, group: An
                 free += 1
     if not several or free > FEW:
         return 0
-    results = np.empty(1 << free, np.int8)
-    for number in range(1 << free):
-        for k in range(len(signs)):
-            if group[k] >= 0:
-                signs[k] = turned[k] * (1 if number >> group[k] & 1 else -1)
-            elif signs[k] == 0:
-                signs[k] = -turned[k]
-        results[number] = form_sign(gates, signs, known)
+    every = 1 << free
+    results, bounding = np.empty(every, np.int8), np.zeros((free, every), np.int64)
+    for number in range(every):
+        results[number] = sign_with(gates, turned, group, number, free, signs, known)
+    matters = np.zeros(free, np.bool_)
+    for one in range(free):
+        for number in range(every):
+            if results[number] != results[number ^ (1 << one)]:
+                matters[one] = True
+                sign_with(gates, turned, group, number, one, signs, known)
+                bounding[one, number] = reached(gates, len(signs), known)
+    for one in range(free):
+        for other in range(free):
+            for number in range(every):
+                here, there = bounding[other, number], bounding[other, number ^ (1 << one)]
+                if one != other and here != 0 and there != 0 and here != there:
+                    matters[one] = True
     for k in range(len(signs)):
-        if group[k] >= 0:
-            wanted[k] = False
-            for number in range(1 << free):
-                wanted[k] = wanted[k] or results[number] != results[number ^ (1 << group[k])]
-    for number in range(1, 1 << free):
-        if results[number] != results[0]:
-            return 0
-    sign: int = results[0]
+        wanted[k] = wanted[k] and (group[k] < 0 or matters[group[k]])
+    sign: int = 0 if matters.any() else results[0]
     return sign
+
+
+@step
+def sign_with(gates: Any, turned: Any, group: Any, number: int, zero: int, signs: Any, known: Any) -> int:
+    """The sign of the form with signs of groups by the digits of a number, but one of them zero; of others any."""
+    for k in range(len(signs)):
+        if group[k] == zero:
+            signs[k] = 0
+        elif group[k] >= 0:
+            signs[k] = turned[k] * (1 if number >> group[k] & 1 else -1)
+        elif signs[k] == 0:
+            signs[k] = -turned[k]
+    sign: int = form_sign(gates, signs, known)
+    return sign
+
+
+@step
+def reached(gates: Any, leaves: int, known: Any) -> int:
+    """A number that tells by which leaves and gates that are zero the form is."""
+    found = np.zeros(len(known), np.bool_)
+    found[-1] = True
+    told = 0
+    for k in range(len(gates) - 1, -1, -1):
+        if found[leaves + k]:
+            for j in range(1, 3):
+                operand = gates[k, j]
+                if known[operand] == 0 and not found[operand]:
+                    found[operand] = True
+                    told = (told * FACTOR + operand + 1) % MODULUS
+    return told

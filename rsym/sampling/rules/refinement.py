@@ -26,8 +26,6 @@ HIGHEST = 20  # beyond, cells are halved instead
 LEAST_PORTIONS = {2: 0, 3: 8}  # of a rule, that are the same ones for the next order
 AT_ONCE = 2e6  # points of a portion of a rule, about
 MOST_POINTS = {2: 2e6, 3: 6e6}  # a few seconds
-# Where no tolerance is given, and the next rule has more points, so small a relative error is enough.
-ENOUGH, CHEAP = 1e-6, {2: math.inf, 3: 1e6}
 FALLING = {2: 0.0, 3: 0.5}  # see `Grading`: parts of cells in space are many
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 AT_FIRST = 0.1  # of the time that there is, for what boxes tell
@@ -170,9 +168,8 @@ def refined(
                 if not found.improves(least).any():
                     return told(found, rules.points, least)
             points = ((highest + _step(dimension, highest, order)) / highest) ** dimension * rules.points
-            enough = tolerance is None and points > CHEAP[dimension] and not found.improves(ENOUGH).any()
-            if enough or points > MOST_POINTS[dimension]:
-                return told(found, rules.points, least, enough)
+            if points > MOST_POINTS[dimension]:
+                return told(found, rules.points, least)
     except OutOfTime:
         return _out_of_time(found, rules.points, least)
 
@@ -252,17 +249,18 @@ def _out_of_time(found: Refined, points: int, least: float) -> Refined:
     return found
 
 
-def told(found: Refined, points: int, least: float, enough: bool = False) -> Refined:
-    """The sums; what they leave open beyond a tolerance is warned of, that it may be asked for where it is `enough`."""
+def told(found: Refined, points: int, least: float) -> Refined:
+    """The sums; what they leave open beyond a tolerance is warned of."""
     if np.isinf(found.errors).any():
         warn(f"an integral is not known: on rules of {points:.1e} points it is no finite number")
     elif (over := found.beyond(least)).any():
         with np.errstate(divide="ignore"):
             worst = float((found.errors[over] / found.found.scales[over]).max())
         if found.improves(least).any():
-            more = "near= points where the function or the boundary varies fast may help"
-            more = f"tolerance={least:.0e} asks for more" if enough else more
-            why = f"so much do rules of {points:.1e} points differ; {more}"
+            why = (
+                f"so much do rules of {points:.1e} points differ; near= points where the function or the boundary "
+                "varies fast may help"
+            )
         else:
             why = "so much is not resolved where its boundary has cusps or nodes, touches itself, or is hardly one"
         warn(f"an integral is known to a relative error of about {worst:.0e}: {why}")
