@@ -24,6 +24,7 @@ from rsym.sampling.unseen import edges_of, seen_lines
 
 # Leaves that meet at an angle below this, in radians, have no corner to lose.
 SMOOTH_JOINT = 1e-2
+SAME_CORNER = 1e-6  # of a cell
 
 
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
@@ -123,8 +124,10 @@ def _on_leaves(
         tuple(np.split(np.insert(rows, places, new, axis=0), ends[1:-1])) if found else ()
         for rows, new in ((points, corners.points), (index, np.full(corners.points.shape, np.nan)))
     )
+    labels = np.split(np.insert(leaf, places, -1), ends[1:-1]) if found else ()
+    once = _once(lines, labels, cell)
+    lines, edges, labels = (tuple(rows[k] for k in once) for rows in (lines, edges, labels))
     if len(leaves.walls):
-        labels = np.split(np.insert(leaf, places, -1), ends[1:-1]) if found else ()
         lines, edges = _off_walls(lines, edges, [np.isin(row, leaves.walls) for row in labels])
     lines, edges = _without_beads(lines, edges, cell)
     closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
@@ -149,6 +152,34 @@ def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floa
         return leaves.active(sampler.lattice.points(low[which] + t[:, None] * along[which]))[0]
 
     return sampler.lattice.points(low + bracketed_roots(at, start, end)[:, None] * along)
+
+
+def _once(lines: Sequence[Floats], labels: Sequence[Ints], cell: float) -> list[int]:
+    """Of lines from corner to corner along the same leaves the longest, where samples see one in pieces; -1: corners.
+
+    Examples
+    --------
+    >>> corners = np.array([[0.0, 0.0], [1.0, 0.0]])
+    >>> one, other = (np.insert(corners, 1, [at, 0.2], axis=0)[[0, 1, 2, 0]] for at in (0.3, 0.6))
+    >>> _once([one, other, one], [np.array([-1, leaf, -1, -1]) for leaf in (4, 4, 5)], 1.0)
+    [0, 2]
+    """
+    kept: dict[object, list[tuple[int, dict[object, int]]]] = {}
+    for number, (line, label) in enumerate(zip(lines, labels, strict=True)):
+        corner = np.flatnonzero(label[:-1] < 0)
+        if len(corner) < 2 or (line[0] != line[-1]).any():
+            kept[number] = [(number, {})]
+            continue
+        places = [*map(tuple, np.rint(line[corner] / (SAME_CORNER * cell)).astype(np.int64).tolist())]
+        arcs = dict(zip(zip(places, [*places[1:], places[0]], strict=True), label[corner + 1].tolist(), strict=True))
+        found = kept.setdefault(frozenset(arcs), [])
+        for place, (other, known) in enumerate(found):
+            if all(arcs[arc] == leaf or -1 in (arcs[arc], leaf) for arc, leaf in known.items()):
+                found[place] = (number, arcs) if len(line) > len(lines[other]) else (other, known)
+                break
+        else:
+            found.append((number, arcs))
+    return sorted(number for found in kept.values() for number, _ in found)
 
 
 def _without_beads(
@@ -286,11 +317,19 @@ def _near(joints: Joints, points: Floats, cell: float) -> Flags:
 
 
 def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], cell: float) -> Flags:
-    """Whether between ends (k + 1, n, 2) the leaves (k, n) are the boundary: at each end and at two places before."""
+    """Whether between ends (k + 1, n, 2) the leaves (k, n) are the boundary: at each end and at two places before.
+
+    The inside is to the left there: a line that runs back to the corner it came from is none.
+    """
     start, end = np.array(ends[:-1]), np.array(ends[1:])
     places = np.array([start + share * (end - start) for share in (1 / 3, 2 / 3, 1.0)])
-    distance, _ = leaves.distance(leaves.slide(places.reshape(-1, 2), np.tile(np.ravel(along), len(places))))
-    return np.asarray((distance <= ON_LEVEL * cell).reshape(len(places) * len(start), -1).all(axis=0))
+    leaf, way = np.tile(np.ravel(along), len(places)), np.tile((end - start).reshape(-1, 2), (len(places), 1))
+    on = leaves.slide(places.reshape(-1, 2), leaf)
+    ((_, slope),) = leaves.of(on, leaf)
+    with np.errstate(all="ignore"):  # where a leaf is singular
+        back = (way[:, 1] * slope[:, 0] - way[:, 0] * slope[:, 1]) / np.hypot(*slope.T) > ON_LEVEL * cell
+    holds = (leaves.distance(on)[0] <= ON_LEVEL * cell) & ~back
+    return np.asarray(holds.reshape(len(places) * len(start), -1).all(axis=0))
 
 
 def _turn(leaves: PlaneLeaves, joints: Joints) -> Floats:
