@@ -239,8 +239,9 @@ def rays(twins, seed):
         for one in (twins.shape, twins.plain)
     ]
     sure = ~(images[0].undecided | images[1].undecided)
+    one, other = (image.view.front - image.depth for image in images)
     with np.errstate(invalid="ignore"):
-        unlike = sure & ~(np.abs(images[0].depth - images[1].depth) < 1e-6)
+        unlike = sure & ~(np.abs(one - other) < 1e-6)
     unlike &= np.isfinite(images[0].depth) | np.isfinite(images[1].depth)
     if unlike.sum() > FEW * unlike.size:
         yield f"{unlike.sum()} of {unlike.size} rays"
