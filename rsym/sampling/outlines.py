@@ -7,7 +7,7 @@ different leaves, the point that both leaves have in common goes between them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -124,11 +124,11 @@ def _on_leaves(
         tuple(np.split(np.insert(rows, places, new, axis=0), ends[1:-1])) if found else ()
         for rows, new in ((points, corners.points), (index, np.full(corners.points.shape, np.nan)))
     )
-    labels = np.split(np.insert(leaf, places, -1), ends[1:-1]) if found else ()
+    labels = np.split(np.insert(leaf, places, -1), ends[1:-1]) if found else []
     once = _once(lines, labels, cell)
-    lines, edges, labels = (tuple(rows[k] for k in once) for rows in (lines, edges, labels))
+    lines, edges = (tuple(rows[k] for k in once) for rows in (lines, edges))
     if len(leaves.walls):
-        lines, edges = _off_walls(lines, edges, [np.isin(row, leaves.walls) for row in labels])
+        lines, edges = _off_walls(lines, edges, [np.isin(labels[k], leaves.walls) for k in once])
     lines, edges = _without_beads(lines, edges, cell)
     closed = sum(bool((line[0] == line[-1]).all()) for line in lines)
     status = LevelLinesStatus(
@@ -164,14 +164,15 @@ def _once(lines: Sequence[Floats], labels: Sequence[Ints], cell: float) -> list[
     >>> _once([one, other, one], [np.array([-1, leaf, -1, -1]) for leaf in (4, 4, 5)], 1.0)
     [0, 2]
     """
-    kept: dict[object, list[tuple[int, dict[object, int]]]] = {}
+    kept: dict[Hashable, list[tuple[int, dict[Hashable, int]]]] = {}
     for number, (line, label) in enumerate(zip(lines, labels, strict=True)):
         corner = np.flatnonzero(label[:-1] < 0)
         if len(corner) < 2 or (line[0] != line[-1]).any():
             kept[number] = [(number, {})]
             continue
         places = [*map(tuple, np.rint(line[corner] / (SAME_CORNER * cell)).astype(np.int64).tolist())]
-        arcs = dict(zip(zip(places, [*places[1:], places[0]], strict=True), label[corner + 1].tolist(), strict=True))
+        ways = zip(places, [*places[1:], places[0]], strict=True)
+        arcs: dict[Hashable, int] = dict(zip(ways, label[corner + 1].tolist(), strict=True))
         found = kept.setdefault(frozenset(arcs), [])
         for place, (other, known) in enumerate(found):
             if all(arcs[arc] == leaf or -1 in (arcs[arc], leaf) for arc, leaf in known.items()):

@@ -20,8 +20,7 @@ from rsym.sampling.rules.quadrature import Prepared, grading
 
 TOLERANCE = {2: 1e-12, 3: 1e-10}
 CELLS = {2: 8, 3: 6}  # along the longest side at first
-# Points along each direction from one rule to the next; in space half up to the usual order: so many points are dear.
-ORDERS = 4
+ORDERS = 4  # points along each direction from one rule to the next
 HIGHEST = 20  # beyond, cells are halved instead
 LEAST_PORTIONS = {2: 0, 3: 8}  # of a rule, that are the same ones for the next order
 AT_ONCE = 2e6  # points of a portion of a rule, about
@@ -157,7 +156,7 @@ def refined(
             if highest + ORDERS > max(HIGHEST, order + ORDERS):
                 count, highest = 2 * count, max(order, HIGHEST - 2 * ORDERS)
             else:
-                highest += _step(dimension, highest, order)
+                highest += ORDERS
             found = rules.compared(count, highest)
             if not found.improves(least).any():
                 finer = FINER[dimension] * count + 1
@@ -167,16 +166,10 @@ def refined(
                 found = rules.compared(count, highest)
                 if not found.improves(least).any():
                     return told(found, rules.points, least)
-            points = ((highest + _step(dimension, highest, order)) / highest) ** dimension * rules.points
-            if points > MOST_POINTS[dimension]:
+            if ((highest + ORDERS) / highest) ** dimension * rules.points > MOST_POINTS[dimension]:
                 return told(found, rules.points, least)
     except OutOfTime:
         return _out_of_time(found, rules.points, least)
-
-
-def _step(dimension: int, highest: int, order: int) -> int:
-    """How many points along each direction the next rule has more."""
-    return ORDERS // 2 if dimension == 3 and highest < order else ORDERS
 
 
 class _Rules:
