@@ -16,11 +16,12 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.errors import RsymError, warn
 from rsym.sampling.contours import ON_LEVEL, LevelLines, LevelLinesStatus, bends, cropped
+from rsym.sampling.cut_cells import edges_of
 from rsym.sampling.isolines import index_lines
 from rsym.sampling.plane import PlaneSampler
 from rsym.sampling.plane_leaves import NEWTON_STEPS, REACH, PlaneLeaves, leaves_of, level_leaves
 from rsym.sampling.roots import bracketed_roots
-from rsym.sampling.unseen import edges_of, seen_lines
+from rsym.sampling.unseen import seen_lines
 
 # Leaves that meet at an angle below this, in radians, have no corner to lose.
 SMOOTH_JOINT = 1e-2
@@ -31,7 +32,10 @@ def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = N
     """The lines omega = 0 of a prepared plane; what is thinner than a cell is looked for."""
     signs, leaves = _defined(sampler.signs() if signs is None else signs), leaves.unfolded
     seen = seen_lines(sampler.lattice, signs, leaves)
-    found = _on_leaves(sampler, leaves, signs, seen.lines)[0]
+    found, _, missed = _on_leaves(sampler, leaves, signs, seen.lines)
+    if len(missed) and seen.examined:  # where leaves only touch, say: they are parted below a cell
+        seen = seen_lines(sampler.lattice, signs, leaves, missed)
+        found, _, _ = _on_leaves(sampler, leaves, signs, seen.lines)
     told = {name: getattr(seen, name) for name in ("unseen", "places", "finer", "examined")}
     return replace(found, status=replace(found.status, **told))
 
@@ -94,7 +98,7 @@ def outline_on_edges(
     What is thinner than a cell is not looked for: all edges are of the lattice.
     """
     # Signs alone: then every vertex lies in the middle of its edge, and its edge is known.
-    return _on_leaves(sampler, leaves.unfolded, signs, [line[::-1] for line in index_lines(_defined(signs), 0.0)])
+    return _on_leaves(sampler, leaves.unfolded, signs, [line[::-1] for line in index_lines(_defined(signs), 0.0)])[:2]
 
 
 def _defined(signs: Floats) -> Floats:
@@ -105,8 +109,11 @@ def _defined(signs: Floats) -> Floats:
 
 def _on_leaves(
     sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats, found: Sequence[Floats]
-) -> tuple[LevelLines, tuple[Floats, ...]]:
-    """Lines by the middles of the edges that they cross, each vertex on its leaf, and corners where leaves meet."""
+) -> tuple[LevelLines, tuple[Floats, ...], Floats]:
+    """Lines by the middles of the edges that they cross, each vertex on its leaf, and corners where leaves meet.
+
+    And in indices where between neighbours on two leaves no corner was found.
+    """
     cell = min(sampler.lattice.spacing)
     index = np.concatenate([*found, np.empty((0, 2))])
     points = _on_edges(sampler, leaves, index)
@@ -137,9 +144,10 @@ def _on_leaves(
         undefined_samples=int(np.isnan(signs).sum()),
         closed=closed,
         open=len(lines) - closed,
-        unresolved_corners=corners.missed + int(np.count_nonzero(bent & ~np.isin(neighbours - 1, joints))),
+        unresolved_corners=len(corners.missed) + int(np.count_nonzero(bent & ~np.isin(neighbours - 1, joints))),
     )
-    return LevelLines(lines, 0.0, "value", status), edges
+    missed = joints[corners.missed]
+    return LevelLines(lines, 0.0, "value", status), edges, (index[missed] + index[missed + 1]) / 2
 
 
 def _on_edges(sampler: PlaneSampler, leaves: PlaneLeaves, index: Floats) -> Floats:
@@ -249,11 +257,11 @@ class Joints(NamedTuple):
 
 
 class _Corners(NamedTuple):
-    """Which joint each corner belongs to, in order; where it is; and how many joints have none that holds."""
+    """Which joint each corner belongs to, in order; where it is; and which joints that turn have none that holds."""
 
     joint: Ints
     points: Floats
-    missed: int
+    missed: Ints
 
 
 def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
@@ -271,8 +279,9 @@ def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
     joint = np.concatenate([joint, np.repeat(found, 2)])
     points = np.concatenate([points, pair[holds][first].reshape(-1, 2)])
     order = np.argsort(joint, kind="stable")
-    missed = joints.take(np.setdiff1d(rest, found))
-    return _Corners(joint[order], points[order], int(np.count_nonzero(_turn(leaves, missed) > SMOOTH_JOINT)))
+    missed = np.setdiff1d(rest, found)
+    missed = missed[_turn(leaves, joints.take(missed)) > SMOOTH_JOINT]
+    return _Corners(joint[order], points[order], missed)
 
 
 def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Floats, Flags]:

@@ -15,22 +15,33 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
+from rsym.sampling.cut_cells import (
+    BEYOND,
+    CORNERS,
+    DEPTH,
+    MIDDLES,
+    PARTS,
+    UNIT,
+    CutCells,
+    cells_around,
+    cells_beside,
+    elsewhere,
+    finer_lattice,
+    larger_cells,
+    loose_sides,
+    on_lattice,
+)
 from rsym.sampling.isolines import beyond_chords, index_lines, lines_through, pieces
 from rsym.sampling.lattice import AROUND, Lattice, grown, heaps, numbers_of
 from rsym.sampling.plane_leaves import REACH, PlaneLeaves
 
-PARTS = 8  # of the side of a cell that is looked at
-BULGE = 1.5  # of these a line may go beyond its chord in a cell, or beyond the cell
-DEPTH = 4  # how often: what is thinner than a cell / PARTS**DEPTH is told
+BULGE = 1.5  # of the parts of a cell a line may go beyond its chord in a cell, or beyond the cell
 TRIES = 5  # to cut larger cells too where lines of smaller ones do not go on
 FEW, AROUND_ENDS = 64, 3  # so many of the smallest cells, with so many on each side, are looked at for the end of a tip
 MOST = 32_000  # cells that may be looked at on one lattice; more, all over, are no lines
 WORK = 3e7  # boxes of cells, each times the operations of the form, at a time: a second or two
-UNIT = 2 * PARTS**DEPTH  # of a cell of the lattice: the middles of all sides are whole
 _TOP, _BOTTOM, _LEFT, _RIGHT = range(4)  # rows and columns as in `isolines`
-_BEYOND = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
-_MIDDLES = _BEYOND + 1  # of a side, in halves of a cell
-_CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+NOWHERE = np.empty((0, 2))
 
 
 class _TooMuch(Exception):
@@ -52,26 +63,6 @@ class SeenLines(NamedTuple):
     examined: bool = True
 
 
-class _Cells(NamedTuple):
-    """_Cells (k, 2) by their first corners, in sizes of theirs; which corners (k, 4) are inside; their sides.
-
-    These are given by their middles (k, 4, 2) in units; a side to a larger neighbour is that of the neighbour.
-    """
-
-    first: Ints
-    high: Flags
-    sides: Ints
-
-    @property
-    def crossed(self) -> Flags:
-        """Whether corners lie on both sides."""
-        return np.asarray(self.high.any(axis=1) & ~self.high.all(axis=1))
-
-    def take(self, which: Flags | Ints) -> _Cells:
-        """Some of them."""
-        return _Cells(self.first[which], self.high[which], self.sides[which])
-
-
 class _Found(NamedTuple):
     """Whether cells are unseen, whether they and those around are to be cut, and the signs (k, m, m) within them.
 
@@ -84,8 +75,11 @@ class _Found(NamedTuple):
     plain: Flags
 
 
-def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLines:
-    """The lines between signs of a form on a lattice, the inside to their left, and what lies between the samples."""
+def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves, near: Floats = NOWHERE) -> SeenLines:
+    """The lines between signs of a form on a lattice, the inside to their left, and what lies between the samples.
+
+    Cells `near` places (n, 2) in indices are cut in the smallest ones.
+    """
     plain = [line[::-1] for line in index_lines(signs, 0.0)]
     undefined = np.isnan(signs)
     known = ~(undefined[:-1, :-1] | undefined[1:, :-1] | undefined[:-1, 1:] | undefined[1:, 1:])
@@ -93,19 +87,19 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
         open_cells = _undecided(leaves, lattice, known)
         if open_cells is None:
             return SeenLines(plain, examined=False)
-        cells = _on_lattice(open_cells, signs > 0)
-        forced, loose = [np.empty((0, 2), np.int64)] * DEPTH, np.empty((0, 2), np.int64)
+        cells = on_lattice(open_cells, signs > 0)
+        forced, loose = [cells_around(near, depth) for depth in range(DEPTH)], np.empty((0, 2), np.int64)
         for attempt in range(TRIES):
             small, cut, unseen, places, size = _descended(leaves, lattice, cells, forced)
             if small is None:
                 return SeenLines(plain)
-            apart = _elsewhere(signs > 0, known, cut)
-            every = _Cells(*(np.concatenate(parts) for parts in zip(apart, small, strict=True)))
+            apart = elsewhere(signs > 0, known, cut)
+            every = CutCells(*(np.concatenate(parts) for parts in zip(apart, small, strict=True)))
             every = every.take(every.crossed)
-            loose = _loose(every, lattice)
+            loose = loose_sides(every, lattice)
             if not len(loose):
                 break
-            forced = [np.concatenate([old, _larger(loose, depth, 2**attempt)]) for depth, old in enumerate(forced)]
+            forced = [np.concatenate([old, larger_cells(loose, depth, 2**attempt)]) for depth, old in enumerate(forced)]
     except _TooMuch:
         return SeenLines(plain, examined=False)
     lines = [line / UNIT for line in lines_through(every.sides, every.high)]
@@ -116,8 +110,8 @@ def seen_lines(lattice: Lattice, signs: Floats, leaves: PlaneLeaves) -> SeenLine
 
 
 def _descended(
-    leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, forced: Sequence[Ints]
-) -> tuple[_Cells | None, Ints, int, Floats, float]:
+    leaves: PlaneLeaves, lattice: Lattice, cells: CutCells, forced: Sequence[Ints]
+) -> tuple[CutCells | None, Ints, int, Floats, float]:
     """Cells cut until what they hold is seen, None if nothing is; which of the first are cut; what stays unseen.
 
     That is told by the number of cells, their middles in indices, their size. At each depth those `forced` are cut too.
@@ -125,11 +119,11 @@ def _descended(
     finer = lattice
     looked, found = _look(leaves, finer, cells, forced[0])
     cut, done = looked.first[found.cut], []
-    if not found.unseen.any():
+    if not found.cut.any():
         return None, cut, 0, np.empty((0, 2)), 0.0
     for depth in range(1, DEPTH + 1):
         size, places = max(finer.spacing), (looked.first[found.unseen] + 0.5) / PARTS ** (depth - 1)
-        cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), _finer(finer)
+        cells, finer = _parts(looked, found, UNIT // (2 * PARTS**depth)), finer_lattice(finer)
         try:
             undecided = _holds(leaves, finer, cells.first, 1)
             if np.count_nonzero(undecided) > MOST:
@@ -142,78 +136,23 @@ def _descended(
         if not found.cut.any() or depth == DEPTH:
             break
         done.append(cells.take(numbers_of(looked.first[found.cut], cells.first) < 0))
-    every = _Cells(*(np.concatenate(parts) for parts in zip(*done, cells, strict=True)))
+    every = CutCells(*(np.concatenate(parts) for parts in zip(*done, cells, strict=True)))
     return every, cut, len(places), places, size
 
 
-def _loose(cells: _Cells, lattice: Lattice) -> Ints:
-    """The middles (n, 2) of sides where lines of cells do not go on: not crossed once from both."""
-    across = np.stack(
-        [cells.high[:, one] != cells.high[:, other] for one, other in ((0, 1), (2, 3), (0, 2), (1, 3))], 1
-    )
-    sides, place = np.unique(cells.sides[across], axis=0, return_inverse=True)
-    second = np.broadcast_to([False, True, False, True], across.shape)[across]
-    counts = np.array([np.bincount(place[which].ravel(), minlength=len(sides)) for which in (~second, second)])
-    end = UNIT * (np.array(lattice.counts) - 1)
-    return np.asarray(sides[(counts != 1).any(axis=0) & ((sides > 0) & (sides < end)).all(axis=1)])
-
-
-def _larger(middles: Ints, depth: int, reach: int) -> Ints:
-    """The cells of a depth so many cells around sides with these middles, if they are larger than the sides."""
-    either = middles[:, 0] | middles[:, 1]
-    size = UNIT // PARTS**depth
-    own = middles[2 * (either & -either) < size]
-    around = np.indices((2 * reach + 1, 2 * reach + 1)).reshape(2, -1).T - reach
-    return np.unique((np.unique(own // size, axis=0)[:, None] + around).reshape(-1, 2), axis=0)
-
-
-def edges_of(index: Floats) -> tuple[Floats, Floats]:
-    """The ends (n, 2) in indices of the sides of cells, of whatever size, with these middles.
-
-    Examples
-    --------
-    >>> start, end = edges_of(np.array([[3.0, 1.5], [2.0625, 4.0]]))
-    >>> start.tolist(), end.tolist()
-    ([[3.0, 1.0], [2.0, 4.0]], [[3.0, 2.0], [2.125, 4.0]])
-    """
-    whole = np.rint(index * UNIT).astype(np.int64)
-    either = whole[:, 0] | whole[:, 1]
-    half = (either & -either)[:, None]
-    along = half * ((whole & half) != 0)
-    return (whole - along) / UNIT, (whole + along) / UNIT
-
-
-def _finer(lattice: Lattice) -> Lattice:
-    counts = tuple(PARTS * (count - 1) + 1 for count in lattice.counts)
-    return Lattice(lattice.origin, tuple(h / PARTS for h in lattice.spacing), counts)
-
-
-def _on_lattice(first: Ints, high: Flags) -> _Cells:
-    corners = (first[:, None] + _CORNERS).reshape(-1, 2)
-    return _Cells(first, high[tuple(corners.T)].reshape(-1, 4), (UNIT // 2) * (2 * first[:, None] + _MIDDLES))
-
-
-def _elsewhere(high: Flags, known: Flags, apart: Ints) -> _Cells:
-    """The cells that lines of a lattice cross, without some."""
-    corners = np.stack([high[:-1, :-1], high[:-1, 1:], high[1:, :-1], high[1:, 1:]])
-    crossed = known & corners.any(axis=0) & ~corners.all(axis=0)
-    crossed[tuple(apart.T)] = False
-    return _on_lattice(np.argwhere(crossed), high)
-
-
-def _parts(cells: _Cells, found: _Found, half: int) -> _Cells:
+def _parts(cells: CutCells, found: _Found, half: int) -> CutCells:
     """The parts of those cells that are to be cut; `half` is that of their side in units."""
     own, high, plain = cells.take(found.cut), found.high[found.cut], found.plain[found.cut]
     inside = np.indices((PARTS, PARTS)).reshape(2, -1).T
     first = PARTS * own.first[:, None] + inside
-    sides = half * (2 * first[:, :, None] + _MIDDLES)
-    beside = _beside(own.first)
+    sides = half * (2 * first[:, :, None] + MIDDLES)
+    beside = cells_beside(own.first)
     for side, (axis, end) in enumerate(((0, 0), (0, PARTS - 1), (1, 0), (1, PARTS - 1))):
         larger = np.flatnonzero((beside[:, side] < 0) & plain[:, side])
         along = np.flatnonzero(inside[:, axis] == end)
         sides[larger[:, None], along, side] = own.sides[larger, side][:, None]
-    corners = high[:, inside[:, None, 0] + _CORNERS[:, 0], inside[:, None, 1] + _CORNERS[:, 1]]
-    return _Cells(first.reshape(-1, 2), corners.reshape(-1, 4), sides.reshape(-1, 4, 2))
+    corners = high[:, inside[:, None, 0] + CORNERS[:, 0], inside[:, None, 1] + CORNERS[:, 1]]
+    return CutCells(first.reshape(-1, 2), corners.reshape(-1, 4), sides.reshape(-1, 4, 2))
 
 
 def _undecided(leaves: PlaneLeaves, lattice: Lattice, known: Flags) -> Ints | None:
@@ -225,7 +164,7 @@ def _undecided(leaves: PlaneLeaves, lattice: Lattice, known: Flags) -> Ints | No
         if size == 1:
             break
         size //= 2
-        blocks = (blocks[:, None] + size * _CORNERS).reshape(-1, 2)
+        blocks = (blocks[:, None] + size * CORNERS).reshape(-1, 2)
         blocks = blocks[(blocks < known.shape).all(axis=1)]
         if len(blocks) > 16 * MOST:
             return None
@@ -241,8 +180,8 @@ def _holds(leaves: PlaneLeaves, lattice: Lattice, first: Floats | Ints, size: fl
 
 
 def _look(
-    leaves: PlaneLeaves, lattice: Lattice, every: _Cells, forced: Ints, beyond: float = BULGE
-) -> tuple[_Cells, _Found]:
+    leaves: PlaneLeaves, lattice: Lattice, every: CutCells, forced: Ints, beyond: float = BULGE
+) -> tuple[CutCells, _Found]:
     """What cells hold between their corners: those that were looked at, and what was found in them.
 
     Of the smallest it does not matter how far `beyond` its chord a line goes: it may so by all their parts.
@@ -253,7 +192,7 @@ def _look(
     while True:
         cells, found = _look_at(leaves, lattice, every, wild, forced, beyond)
         # A side to a cell that is not to be cut is plain.
-        beside = (cells.first[:, None] + _BEYOND)[found.cut[:, None] & ~found.plain]
+        beside = (cells.first[:, None] + BEYOND)[found.cut[:, None] & ~found.plain]
         missed = numbers_of(every.first, beside[numbers_of(cells.first, beside) < 0])
         if not (missed >= 0).any():
             return cells, found
@@ -261,8 +200,8 @@ def _look(
 
 
 def _look_at(
-    leaves: PlaneLeaves, lattice: Lattice, every: _Cells, wild: Flags, forced: Ints, beyond: float
-) -> tuple[_Cells, _Found]:
+    leaves: PlaneLeaves, lattice: Lattice, every: CutCells, wild: Flags, forced: Ints, beyond: float
+) -> tuple[CutCells, _Found]:
     """The same for some wild cells, and those around."""
     near = grown(grown(wild, every.first), every.first)
     cells, wild = every.take(near), wild[near]
@@ -287,7 +226,7 @@ def _look_at(
     # Across a side to a larger cell a line goes once, where its corners differ.
     changes = np.count_nonzero(np.diff(ends, axis=2), axis=2)
     plain = np.asarray(changes == (cells.high[:, [0, 2, 0, 1]] != cells.high[:, [1, 3, 2, 3]]))
-    beside = _beside(cells.first)
+    beside = cells_beside(cells.first)
     while True:
         more = beside[~(plain | ~cut[:, None])]
         more = more[(more >= 0) & ~cut[more] & known[more]]
@@ -297,7 +236,7 @@ def _look_at(
     return cells, _Found(unseen, cut, high, plain)
 
 
-def _wild(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells) -> Flags:
+def _wild(leaves: PlaneLeaves, lattice: Lattice, cells: CutCells) -> Flags:
     """Which cells may hold more than one line that is a graph, and that their corners show, or a neighbour's."""
     slopes = leaves.slopes_over(lattice.points(cells.first), lattice.points(cells.first + 1))
     crossed = cells.crossed
@@ -307,7 +246,7 @@ def _wild(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells) -> Flags:
     own = np.flatnonzero(tame & ~crossed & ~slopes.all(axis=1))
     towards = np.where(cells.high[own, 0], -1, 1)[:, None] * slopes[own]
     side = np.where(towards[:, 0] != 0, (towards[:, 0] > 0) + _TOP, (towards[:, 1] > 0) + _LEFT)
-    other = _beside(cells.first)[own, side]
+    other = cells_beside(cells.first)[own, side]
     wild[own] = (other < 0) | ~(crossed & tame)[other]
     return wild
 
@@ -341,7 +280,7 @@ def _tips_around(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> tuple[Fl
     return tips, tips & (np.count_nonzero(borders, axis=1) == 1).any(axis=0)
 
 
-def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags, wild: Flags) -> Flags:
+def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: CutCells, high: Flags, wild: Flags) -> Flags:
     """In which wild cells a part may hold a line, and neither it nor those around it do as the samples have it."""
     crossed = np.zeros((len(high), PARTS + 2, PARTS + 2), np.bool_)
     corners = np.stack([high[:, :-1, :-1], high[:, :-1, 1:], high[:, 1:, :-1], high[:, 1:, 1:]])
@@ -353,7 +292,7 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
     rest = np.zeros((len(own), 2), np.int64)
     while size > 1:
         size //= 2
-        own, rest = np.repeat(own, 4), (rest[:, None] + size * _CORNERS).reshape(-1, 2)
+        own, rest = np.repeat(own, 4), (rest[:, None] + size * CORNERS).reshape(-1, 2)
         blocks = (~near).reshape(len(high), PARTS // size, size, PARTS // size, size)
         some = np.asarray(blocks.any(axis=(2, 4)))[own, rest[:, 0] // size, rest[:, 1] // size]
         own, rest = own[some], rest[some]
@@ -367,12 +306,7 @@ def _doubtful(leaves: PlaneLeaves, lattice: Lattice, cells: _Cells, high: Flags,
     return doubtful
 
 
-def _beside(cells: Ints) -> Ints:
-    """Which cells (k, 4) lie across the sides of each, -1 for none."""
-    return numbers_of(cells, (cells[:, None] + _BEYOND).reshape(-1, 2)).reshape(-1, 4)
-
-
-def _hidden(high: Flags, cells: _Cells, beyond: float) -> Flags:
+def _hidden(high: Flags, cells: CutCells, beyond: float) -> Flags:
     """Which cells hold more than their corners say, or a line from another that goes so many parts into them."""
     corners = high[:, [0, 0, -1, -1], [0, -1, 0, -1]]
     crossed = ~(corners == corners[:, :1]).all(axis=1)

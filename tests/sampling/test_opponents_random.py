@@ -20,6 +20,6 @@ def test_nothing_is_silent_and_wrong(kind, number):
     assert OPPONENTS[kind].asked(case)[1] == [], case
 
 
-@pytest.mark.parametrize("seed", [6027, 80257], ids=["wedges beside a contact", "two needles as holes"])
+@pytest.mark.parametrize("seed", [6027, 80208, 80257], ids=["wedges", "contact below a cell", "needles"])
 def test_what_is_below_a_cell_is_right_or_told(seed):
     assert thin.asked(thin.case(seed))[1] == []

@@ -7,9 +7,9 @@ import pytest
 
 import rsym
 from rsym import x, y
+from rsym.sampling.cut_cells import UNIT
 from rsym.sampling.outlines import Joints, _one_corner, _without_beads
 from rsym.sampling.plane_leaves import leaves_of
-from rsym.sampling.unseen import UNIT
 
 OVAL = rsym.Shape(x**3 - x**2 - 384 * x - 2772 - y**2, (x, y), bounds=((-30, 40), (-60, 60)))
 
