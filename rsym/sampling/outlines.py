@@ -267,41 +267,44 @@ class _Corners(NamedTuple):
 def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
     """The common zero of both leaves of a joint, or those of both with a third leaf.
 
-    A corner holds if each leaf is the boundary all the way to it.
+    A corner holds if each leaf is the boundary all the way to it, with the inside to its left. If there is none the
+    line may run back to the corner that it came from: it is cut off a tip (`_without_beads`).
     """
-    point, holds = _one_corner(leaves, joints, cell)
-    joint, points = np.flatnonzero(holds), point[holds]
+    point, holds, back = _one_corner(leaves, joints, cell)
     # The third leaf, of a step or a chamfer smaller than a cell, is looked for among all.
     rest = np.repeat(np.flatnonzero(~holds), leaves.count)
     third = np.tile(np.arange(leaves.count), np.count_nonzero(~holds))
-    pair, holds = _two_corners(leaves, joints.take(rest), third, cell)
-    found, first = np.unique(rest[holds], return_index=True)
-    joint = np.concatenate([joint, np.repeat(found, 2)])
-    points = np.concatenate([points, pair[holds][first].reshape(-1, 2)])
+    pair, two = _two_corners(leaves, joints.take(rest), third, cell)
+    found, first = np.unique(rest[two], return_index=True)
+    holds |= back & ~np.isin(np.arange(len(back)), found)
+    joint = np.concatenate([np.flatnonzero(holds), np.repeat(found, 2)])
+    points = np.concatenate([point[holds], pair[two][first].reshape(-1, 2)])
     order = np.argsort(joint, kind="stable")
-    missed = np.setdiff1d(rest, found)
+    missed = np.setdiff1d(np.arange(len(holds)), joint)
     missed = missed[_turn(leaves, joints.take(missed)) > SMOOTH_JOINT]
     return _Corners(joint[order], points[order], missed)
 
 
-def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Floats, Flags]:
+def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Floats, Flags, Flags]:
+    """Common zeros, which hold, and which do but for the way there."""
     corner = leaves.common((joints.before + joints.after) / 2, joints.one, joints.other)
     if len(leaves.walls):  # a line may end upright at a wall
         ends = np.isin(joints.one, leaves.walls) | np.isin(joints.other, leaves.walls)
-        holds = _near(joints, corner, cell)
+        holds, back = _near(joints, corner, cell), np.zeros(len(ends), np.bool_)
         rest = np.flatnonzero(~ends)
-        holds[rest] = _holds(leaves, joints.take(rest), corner[rest], cell)
-        return corner, holds
-    return corner, _holds(leaves, joints, corner, cell)
+        holds[rest], back[rest] = _holds(leaves, joints.take(rest), corner[rest], cell)
+        return corner, holds, back
+    return corner, *_holds(leaves, joints, corner, cell)
 
 
-def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> Flags:
-    holds = _near(joints, corner, cell)
+def _holds(leaves: PlaneLeaves, joints: Joints, corner: Floats, cell: float) -> tuple[Flags, Flags]:
+    holds, back = _near(joints, corner, cell), np.zeros(len(corner), np.bool_)
     near = np.flatnonzero(holds)
     some, here = joints.take(near), corner[near]
-    meets = leaves.meet(here, some.one, some.other, cell)
-    holds[near] = meets & _bounds(leaves, [some.before, here, some.after], [some.one, some.other], cell)
-    return holds
+    bounds, forth = _bounds(leaves, [some.before, here, some.after], [some.one, some.other], cell)
+    bounds &= leaves.meet(here, some.one, some.other, cell)
+    holds[near], back[near] = bounds & forth, bounds & ~forth
+    return holds, back
 
 
 def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) -> tuple[Floats, Flags]:
@@ -313,11 +316,9 @@ def _two_corners(leaves: PlaneLeaves, joints: Joints, third: Ints, cell: float) 
     holds[holds] = np.linalg.norm(first[holds] - second[holds], axis=1) > ON_LEVEL * cell
     near = np.flatnonzero(holds)
     some, one, two, third = joints.take(near), first[near], second[near], third[near]
-    holds[near] = (
-        leaves.meet(one, some.one, third, cell)
-        & leaves.meet(two, third, some.other, cell)
-        & _bounds(leaves, [some.before, one, two, some.after], [some.one, third, some.other], cell)
-    )
+    bounds, forth = _bounds(leaves, [some.before, one, two, some.after], [some.one, third, some.other], cell)
+    meet = leaves.meet(one, some.one, third, cell) & leaves.meet(two, third, some.other, cell)
+    holds[near] = bounds & forth & meet
     return np.stack([first, second], axis=1), holds
 
 
@@ -326,10 +327,10 @@ def _near(joints: Joints, points: Floats, cell: float) -> Flags:
         return np.asarray(np.linalg.norm(points - joints.before, axis=1) <= REACH * cell)
 
 
-def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], cell: float) -> Flags:
-    """Whether between ends (k + 1, n, 2) the leaves (k, n) are the boundary: at each end and at two places before.
+def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], cell: float) -> tuple[Flags, Flags]:
+    """Whether between ends (k + 1, n, 2) the leaves (k, n) are the boundary, and the inside is to the left.
 
-    The inside is to the left there: a line that runs back to the corner it came from is none.
+    At each end and at two places before.
     """
     start, end = np.array(ends[:-1]), np.array(ends[1:])
     places = np.array([start + share * (end - start) for share in (1 / 3, 2 / 3, 1.0)])
@@ -338,8 +339,9 @@ def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], 
     ((_, slope),) = leaves.of(on, leaf)
     with np.errstate(all="ignore"):  # where a leaf is singular
         back = (way[:, 1] * slope[:, 0] - way[:, 0] * slope[:, 1]) / np.hypot(*slope.T) > ON_LEVEL * cell
-    holds = (leaves.distance(on)[0] <= ON_LEVEL * cell) & ~back
-    return np.asarray(holds.reshape(len(places) * len(start), -1).all(axis=0))
+    told = (leaves.distance(on)[0] <= ON_LEVEL * cell, ~back)
+    on_boundary, forth = (one.reshape(len(places) * len(start), -1).all(axis=0) for one in told)
+    return np.asarray(on_boundary), np.asarray(forth)
 
 
 def _turn(leaves: PlaneLeaves, joints: Joints) -> Floats:

@@ -20,6 +20,6 @@ def test_nothing_is_silent_and_wrong(kind, number):
     assert OPPONENTS[kind].asked(case)[1] == [], case
 
 
-@pytest.mark.parametrize("seed", [6027, 80208, 80257], ids=["wedges", "contact below a cell", "needles"])
+@pytest.mark.parametrize("seed", [6027, 80208, 80257, 83019], ids=["wedges", "contact", "needles", "tip"])
 def test_what_is_below_a_cell_is_right_or_told(seed):
     assert thin.asked(thin.case(seed))[1] == []
