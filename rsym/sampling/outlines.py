@@ -26,6 +26,7 @@ from rsym.sampling.unseen import seen_lines
 # Leaves that meet at an angle below this, in radians, have no corner to lose.
 SMOOTH_JOINT = 1e-2
 SAME_CORNER = 1e-6  # of a cell
+AT_HAND = 2.0  # cells from a line that runs back to its corner to those of a third leaf
 
 
 def outline(sampler: PlaneSampler, leaves: PlaneLeaves, signs: Floats | None = None) -> LevelLines:
@@ -267,14 +268,17 @@ class _Corners(NamedTuple):
 def _corners(leaves: PlaneLeaves, joints: Joints, cell: float) -> _Corners:
     """The common zero of both leaves of a joint, or those of both with a third leaf.
 
-    A corner holds if each leaf is the boundary all the way to it, with the inside to its left. If there is none the
-    line may run back to the corner that it came from: it is cut off a tip (`_without_beads`).
+    A corner holds if each leaf is the boundary all the way to it, with the inside to its left. If there is none at hand
+    the line may run back to the corner that it came from: it is cut off a tip (`_without_beads`).
     """
     point, holds, back = _one_corner(leaves, joints, cell)
     # The third leaf, of a step or a chamfer smaller than a cell, is looked for among all.
     rest = np.repeat(np.flatnonzero(~holds), leaves.count)
     third = np.tile(np.arange(leaves.count), np.count_nonzero(~holds))
     pair, two = _two_corners(leaves, joints.take(rest), third, cell)
+    two[two] = ~back[rest[two]] | (
+        np.abs(pair[two] - joints.before[rest[two], None]).max(axis=(1, 2)) <= AT_HAND * cell
+    )
     found, first = np.unique(rest[two], return_index=True)
     holds |= back & ~np.isin(np.arange(len(back)), found)
     joint = np.concatenate([np.flatnonzero(holds), np.repeat(found, 2)])

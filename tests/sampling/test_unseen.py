@@ -122,7 +122,7 @@ def test_lines_where_nothing_was_wrong_keep_their_bits(shape, monkeypatch):
 
 @pytest.mark.slow
 def test_lines_that_do_not_go_on_are_told_beside_what_is_unseen(monkeypatch):
-    monkeypatch.setattr("rsym.sampling.unseen._loose", lambda cells, lattice: np.array([[0, 0]]) * UNIT)
+    monkeypatch.setattr("rsym.sampling.unseen.loose_sides", lambda cells, lattice: np.array([[0, 0]]) * UNIT)
     with pytest.warns(rsym.RsymWarning, match="Unresolved in"):
         lines = lines_of(rsym.disc(1) - rsym.disc(1 - 1e-6), 16)
     assert min(math.hypot(*place) for place in lines.status.places) < 1.1
