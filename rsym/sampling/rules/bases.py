@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
-from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, gauss_on
+from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, gauss_on, neighbouring
 from rsym.sampling.rules.curves import EndCurves, Gaps, along, coincide, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
@@ -75,24 +75,14 @@ class PlaneBases:
 
     def _touching(self, lines: Lines, width: Floats, which: Ints) -> float:
         """A bound of the lengths of both leaves over segments in which crossings are taken for one."""
-        functions, pieces = self.columns.functions, self.columns.pieces
-        line = np.repeat(np.arange(len(which)), np.diff(lines.begin))
-        some = np.flatnonzero((lines.below > 0) != (lines.above > 0))
-        some = some[np.lexsort((lines.root[some], line[some]))]
-        one, other = some[:-1], some[1:]
-        touching = (line[one] == line[other]) & (lines.root[other] - lines.root[one] <= SAME * functions.tolerance)
-        one, other = one[touching], other[touching]
+        tolerance = self.columns.functions.tolerance
+        line, pair, _ = neighbouring(lines, SAME * tolerance)
         # Wider segments may be of leaves that have one surface, as they may be of such that touch so closely.
-        wide = np.flatnonzero(width[which[line[one]]] > NARROW * np.sqrt(functions.tolerance))
+        wide = np.flatnonzero(width[which[line]] > NARROW * np.sqrt(tolerance))
         if len(wide):
-            pair = np.sort(lines.leaf[np.stack([one[wide], other[wide]])], axis=0)
-            (own, *leaves), back = np.unique(
-                np.stack([lines.piece[line[one[wide]]], *pair]), axis=1, return_inverse=True
-            )
-            ends = pieces.axis[own], self.columns.height[:, own], self.base[:, own]
-            same = coincide(functions, np.stack(leaves), *ends)[back.ravel()]
-            one = np.delete(one, wide[same])
-        share = np.bincount(which[np.unique(line[one])], minlength=len(width)) / np.maximum(np.bincount(which), 1)
+            same = self.columns.one_surface(lines.piece[line[wide]], lines.leaf[pair[:, wide]], self.base)
+            line = np.delete(line, wide[same])
+        share = np.bincount(which[np.unique(line)], minlength=len(width)) / np.maximum(np.bincount(which), 1)
         return float(BOTH * width @ np.minimum(2 * share, 1))
 
     def _walls(self, lines: Lines, kind: Ints) -> tuple[Ints, Ints]:

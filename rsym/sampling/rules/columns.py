@@ -156,28 +156,27 @@ class Columns:
     def touching(self, lines: Lines, weight: Floats) -> float:
         """The weight of lines that meet two surfaces closer together than it is known where it meets each."""
         functions, pieces = self.functions, self.pieces
-        line = np.repeat(np.arange(len(lines.piece)), np.diff(lines.begin))
-        some = np.flatnonzero((lines.below > 0) != (lines.above > 0))
-        some = some[np.lexsort((lines.root[some], line[some]))]
-        pair = np.stack([some[:-1], some[1:]])
-        gap = lines.root[pair[1]] - lines.root[pair[0]]
-        near = (line[pair[0]] == line[pair[1]]) & (gap <= np.sqrt(functions.tolerance))
-        pair, gap = pair[:, near], gap[near]
-        own = lines.piece[line[pair[0]]]
-        axis, base = pieces.axis[own], lines.base[..., line[pair[0]]]
+        line, pair, gap = neighbouring(lines, float(np.sqrt(functions.tolerance)))
+        own = lines.piece[line]
+        axis, base = pieces.axis[own], lines.base[..., line]
         known = np.zeros(len(gap))
         with np.errstate(divide="ignore"):
             for one in pair:
                 _, gradient = functions.evaluate(lines.leaf[one], placed(axis, base, lines.root[one]))
                 known += SAME * functions.tolerance * np.maximum(1 / np.abs(along(gradient, axis)), 1.0)
-        pair, own = pair[:, gap <= known], own[gap <= known]
+        line, pair, own = line[gap <= known], pair[:, gap <= known], own[gap <= known]
         if not len(own):
             return 0.0
-        key = np.stack([own, *np.sort(lines.leaf[pair], axis=0)])
+        ends = np.stack([across(end, pieces.axis) for end in (pieces.lower, pieces.upper)])
+        return float(weight[np.unique(line[~self.one_surface(own, lines.leaf[pair], ends)])].sum())
+
+    def one_surface(self, piece: Ints, leaf: Ints, base: Floats) -> Flags:
+        """Whether two leaves (2, n) have one surface in pieces (n,), given the ends (2, ..., pieces) of all bases."""
+        key = np.stack([piece, *np.sort(leaf, axis=0)])
         (own, *leaves), back = np.unique(key, axis=1, return_inverse=True)
-        ends = [across(end, pieces.axis[own]) for end in (pieces.lower[:, own], pieces.upper[:, own])]
-        same = coincide(functions, np.stack(leaves), pieces.axis[own], self.height[:, own], np.stack(ends))
-        return float(weight[np.unique(line[pair[0]][~same[back.ravel()]])].sum())
+        ends = self.pieces.axis[own], self.height[:, own], base[..., own]
+        same: Flags = coincide(self.functions, np.stack(leaves), *ends)[back.ravel()]
+        return same
 
     def pairs(self, piece: Ints) -> tuple[Ints, Ints]:
         """For pieces in any order, the leaves that matter in each: the number in the order, and of piece and leaf."""
@@ -229,3 +228,14 @@ class Columns:
         points = placed(self.pieces.axis[lines.piece[line]], lines.base[..., line], height)
         weights = w * (tall * panels.weight)[which]
         return points, weights, self.pieces.owner[lines.piece[line]], panels.leaf[which]
+
+
+def neighbouring(lines: Lines, most: float) -> tuple[Ints, Ints, Floats]:
+    """Crossings next to each other on a line, not farther apart than so much: the line, both (2, n), how far apart."""
+    line = np.repeat(np.arange(len(lines.piece)), np.diff(lines.begin))
+    some = np.flatnonzero((lines.below > 0) != (lines.above > 0))
+    some = some[np.lexsort((lines.root[some], line[some]))]
+    pair = np.stack([some[:-1], some[1:]])
+    gap = lines.root[pair[1]] - lines.root[pair[0]]
+    near = (line[pair[0]] == line[pair[1]]) & (gap <= most)
+    return line[pair[0, near]], pair[:, near], gap[near]

@@ -11,7 +11,7 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.columns import CellRule, LeftOpen, gauss
-from rsym.sampling.rules.curves import along, placed
+from rsym.sampling.rules.curves import across, along, placed
 from rsym.sampling.rules.division import CutPieces
 
 BASE, ASKED = 3, 5  # Gauss points along each direction of the base, and places on a line
@@ -22,8 +22,7 @@ AT_ONCE = 2**21  # values of leaves
 def sampled_rule(functions: Any, pieces: CutPieces) -> tuple[CellRule, LeftOpen]:
     """The rule on pieces in space, and all that they hold as not resolved."""
     x, w = gauss(BASE)
-    across = np.array([[1, 2], [0, 2], [0, 1]])[pieces.axis].T
-    low, side = (np.take_along_axis(a, across, axis=0) for a in (pieces.lower, pieces.upper - pieces.lower))
+    low, side = (across(a, pieces.axis) for a in (pieces.lower, pieces.upper - pieces.lower))
     base = np.stack(
         [
             (low[0][:, None, None] + side[0][:, None, None] * x[:, None] + 0 * x).ravel(),

@@ -163,8 +163,7 @@ class BaseFunctions:
     def of(cls, columns: Columns, until: float) -> BaseFunctions:
         """Of the pieces of columns."""
         pieces, upright = columns.pieces, columns.upright
-        remaining = np.array([[1, 2], [0, 2], [0, 1]])[pieces.axis].T
-        base = [np.take_along_axis(end, remaining, axis=0) for end in (pieces.lower, pieces.upper)]
+        base = [across(end, pieces.axis) for end in (pieces.lower, pieces.upper)]
         every, rises = np.arange(len(pieces.leaf)), np.flatnonzero(~upright)
         one, other = [every, rises], [every, rises]
         for apart in range(1, int(np.bincount(pieces.piece[rises]).max(initial=1))):
