@@ -8,6 +8,7 @@ In comes a shape or a node of a program; out go its leaves, the gates that join 
 - `steps`: leaves that jump as gates, the condition one of their leaves
 - `poles`: leaves with poles as gates, a change of sign through infinity no zero of theirs
 - `inside`: kernels that say whether points are inside
+- `choices`: choices by a condition, and sums with absolute values, that are minima and maxima
 - `lifting`: minima and maxima inside the sums of large leaves as gates
 - `radicals`: sums of odd powers as sums of their bases, and leaves without the roots that end at walls
 - `branches`: products, quotients and choices anywhere in a leaf as gates

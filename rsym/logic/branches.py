@@ -17,8 +17,9 @@ from collections.abc import Collection, Mapping
 from functools import partial, reduce
 from types import MappingProxyType
 
+from rsym.logic.choices import sides
 from rsym.logic.domains import replaced
-from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted, sides
+from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
 from rsym.logic.radicals import Parted, odd_powers, root_parted
 from rsym.logic.sign_form import gate_of, stripped
 from rsym.logic.steps import chosen_gate

@@ -12,6 +12,7 @@ from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
+from rsym.logic.choices import sides
 from rsym.logic.domains import replaced
 from rsym.logic.sign_form import Gate, SignForm, gate_of, sign_form, through
 from rsym.logic.steps import chosen_gate, is_partial
@@ -117,25 +118,6 @@ class _Unfolding:
             if not is_partial(builder, *split):
                 return condition, split[0], split[1]
         return None
-
-
-def sides(builder: Builder, choice: int) -> tuple[int, int, int]:
-    """What decides a choice, and what it is where that is positive and where it is negative.
-
-    Examples
-    --------
-    >>> b = Builder(("x", "y"), ())
-    >>> x, y = b.input("x"), b.input("y")
-    >>> sides(b, b.make("min", x, y)) == (b.sub(x, y), y, x)
-    True
-    """
-    operation, (first, *rest), _ = builder.nodes[choice]
-    if operation == "abs":
-        return first, first, builder.neg(first)
-    condition = builder.sub(first, rest[0])
-    if operation == "select":
-        return condition, rest[1], rest[2]
-    return (condition, first, rest[0]) if operation == "max" else (condition, rest[0], first)
 
 
 def origins(form: SignForm, made: Sequence[int], leaves: Sequence[int]) -> list[int]:

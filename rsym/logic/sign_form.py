@@ -18,6 +18,7 @@ from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
 from rsym.errors import RsymError
+from rsym.logic.choices import chosen_by_size
 from rsym.logic.steps import has_steps, is_between, parted
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size, sign_gate, unscaled
 from rsym.model.blends.gates import with_gates
@@ -382,8 +383,12 @@ def beside_idle(
 
 
 def stripped(builder: Builder, number: int, sign: int = 1) -> Signed:
-    """Without negations and negative constants, which count, positive factors, odd powers and normalisation."""
-    return Stripping(builder, partial(formal_sign, builder), partial(formal_sign, builder))(number, sign)
+    """Without negations and negative constants, which count, positive factors, odd powers and normalisation.
+
+    Choices that are minima or maxima are those.
+    """
+    kept = Stripping(builder, partial(formal_sign, builder), partial(formal_sign, builder))
+    return replace(kept, otherwise=partial(chosen_by_size, builder, sign_like=kept))(number, sign)
 
 
 def has_kinks(builder: Builder, leaf: int) -> bool:

@@ -8,7 +8,7 @@ by the signs of tests on many boxes at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -248,10 +248,16 @@ def _sum(builder: Builder, number: int) -> tuple[int, int]:
         return number, 1
     terms, constant = found
     leading = terms[min(terms)]
-    made = builder.const(constant / leading)
-    for part in sorted(terms):
-        made = builder.add(made, builder.mul(builder.const(terms[part] / leading), part))
+    made = total(builder, {part: terms[part] / leading for part in sorted(terms)}, constant / leading)
     return made, 1 if leading > 0 else -1
+
+
+def total(builder: Builder, terms: Mapping[int, Fraction], constant: Fraction) -> int:
+    """The sum of a constant and of multiples of nodes, in their order."""
+    made = builder.const(constant)
+    for part, times in terms.items():
+        made = builder.add(made, builder.mul(builder.const(times), part))
+    return made
 
 
 def sum_terms(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fraction] | None:
@@ -259,6 +265,12 @@ def sum_terms(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fract
 
     Terms of one node are added up; None where they cancel, and where there are many: the sum stays as it is written.
     """
+    found = multiples(builder, number)
+    return found if found[0] and all(found[0].values()) else None
+
+
+def multiples(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fraction]:
+    """The coefficients of the terms of a sum, 0 for those that cancel, and its constant; of many terms none."""
     terms: dict[int, Fraction] = {}
     constant, stack, count = Fraction(0), [(number, Fraction(1))], 0
     while stack:
@@ -277,8 +289,8 @@ def sum_terms(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fract
         else:
             terms[part] = terms.get(part, Fraction(0)) + times
         if count > TERMS:
-            return None
-    return (terms, constant) if terms and all(terms.values()) else None
+            return {}, Fraction(0)
+    return terms, constant
 
 
 def even_root(builder: Builder, number: int) -> int | None:

@@ -34,6 +34,7 @@ class Builder:
         self._ranges: list[Range | None] = []
         self.derivatives: dict[tuple[int, str], int] = {}
         self.scaled: dict[int, tuple[int, int]] = {}
+        self.chosen: dict[int, int | None] = {}
         self.switches: dict[int, int] = {}
         self.steps: set[int] = set()  # choices by conditions that somebody wrote: they may jump
         self.walls: dict[int, dict[int, int | None]] = {}  # ends of domains, and limits there (`logic.domains`)

@@ -240,6 +240,9 @@ def _choose(b: Builder, condition: sp.Basic, yes: int, no: int, done: dict[int, 
         return yes if condition == sp.true else no
     if isinstance(condition, sp.Not):
         return _choose(b, condition.args[0], no, yes, done)
+    if isinstance(condition, sp.ITE):  # of Piecewise inside conditions
+        yes, no = (_choose(b, chosen, yes, no, done) for chosen in condition.args[1:])
+        return _choose(b, condition.args[0], yes, no, done)
     if isinstance(condition, sp.And | sp.Or):
         is_and = isinstance(condition, sp.And)
         for inner in condition.args:
