@@ -230,14 +230,14 @@ def meshed(twins, seed):
 
 def rays(twins, seed):
     """Rays meet the same."""
-    framed = [rsym.render(one.replace(bounds=twins.bounds), size=(32, 24)).view for one in (twins.shape, twins.plain)]
-    if framed[0].pixel != framed[1].pixel:
-        return
-    camera = rsym.Camera(target=tuple(framed[0].middle.tolist()))
+    framed = rsym.render(twins.shape.replace(bounds=twins.bounds), size=(32, 24)).view
+    camera = rsym.Camera(target=tuple(framed.middle.tolist()))
     images = [
         rsym.render(one.replace(bounds=twins.bounds), camera=camera, size=(32, 24))
         for one in (twins.shape, twins.plain)
     ]
+    if images[0].view.pixel != images[1].view.pixel:
+        return
     sure = ~(images[0].undecided | images[1].undecided)
     one, other = (image.view.front - image.depth for image in images)
     with np.errstate(invalid="ignore"):
