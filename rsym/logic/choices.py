@@ -15,7 +15,7 @@ from math import isqrt
 import sympy as sp
 
 from rsym.logic.steps import is_partial
-from rsym.logic.stripping import Signed, multiples, total
+from rsym.logic.stripping import Signed, multiples
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower_all
 from rsym.program.program import live
@@ -75,69 +75,77 @@ def _chosen(builder: Builder, number: int, sign_like: Callable[[int], Signed]) -
         return None
     if operation == "select":
         return _of_condition(builder, number, sign_like)
-    terms, constant = multiples(builder, number)
+    terms, _ = multiples(builder, number)
     for part, times in terms.items():
         operation, arguments, _ = builder.nodes[part]
-        if operation not in {"abs", "sqrt"} or not times or builder.uniform[part]:
-            continue
-        rest = total(builder, {one: share for one, share in terms.items() if one != part}, constant)
-        both = (_beside_size if operation == "abs" else _beside_root)(builder, rest, times, arguments[0])
-        if both and not is_partial(builder, *both, rest):
-            return builder.make("max" if times > 0 else "min", *both)
+        if operation in {"abs", "sqrt"} and times and not builder.uniform[part]:
+            both = (_beside_size if operation == "abs" else _beside_root)(builder, number, part, times, arguments[0])
+            if both:
+                return builder.make("max" if times > 0 else "min", *both)
     return None
 
 
 def _of_condition(builder: Builder, number: int, sign_like: Callable[[int], Signed]) -> int | None:
     condition, *values = sides(builder, number)
     for above, below in (values, [sign_like(value).made(builder) for value in values]):
-        ratio = _ratio(builder, *(sign_like(part).made(builder) for part in (builder.sub(above, below), condition)))
+        compared = (sign_like(part).made(builder) for part in (builder.sub(above, below), condition))
+        ratio = _ratio(*(_expanded(builder, part) for part in compared))
         if ratio and not is_partial(builder, condition, above, below):
             return builder.make("max" if ratio > 0 else "min", above, below)
     return None
 
 
-def _beside_size(builder: Builder, rest: int, times: Fraction, inside: int) -> tuple[int, int] | None:
-    """The two sums of which rest + times*|inside| is one, if terms cancel in both."""
-    shared = {*live(builder.nodes, [rest])} & {*live(builder.nodes, [inside])}
-    if all(builder.uniform[part] for part in shared):
+def _beside_size(builder: Builder, number: int, part: int, times: Fraction, inside: int) -> tuple[int, int] | None:
+    """The two sums of which rest + times*|inside| is the larger or the smaller one, if terms cancel in both."""
+    beside = [one for one in multiples(builder, number)[0] if one != part]
+    if all(builder.uniform[one] for one in {*live(builder.nodes, beside)} & {*live(builder.nodes, [inside])}):
         return None
-    beside, size = (_expanded(builder, part) for part in (rest, builder.mul(builder.const(times), inside)))
-    both = [beside + size, beside - size]
-    terms = {**beside.as_coefficients_dict(), **size.as_coefficients_dict()}
-    if max(len(one.as_coefficients_dict()) for one in both) >= len(terms):
+    rest, size = _without(builder, number, part, times), sp.Rational(times) * _expanded(builder, inside)
+    both = [sp.expand(rest + size), sp.expand(rest - size)]
+    terms = {**rest.as_coefficients_dict(), **sp.expand(size).as_coefficients_dict()}
+    if max(len(one.as_coefficients_dict()) for one in both) >= len(terms) or is_partial(builder, number):
         return None
-    first, second = _lowered(builder, *both)
+    symbols = sorted(set().union(*(one.free_symbols for one in both)), key=str)
+    nodes = {symbol: raised(builder.nodes, int(symbol.name)) for symbol in symbols if symbol.name.isdigit()}
+    first, second = lower_all(builder, [one.xreplace(nodes) for one in both])
     return first, second
 
 
-def _beside_root(builder: Builder, rest: int, times: Fraction, inside: int) -> tuple[int, int] | None:
-    """The a and b of a rest a + b beside the root of a*a + b*b - 2*alpha*a*b with -1 < alpha <= 1.
+def _beside_root(builder: Builder, number: int, part: int, times: Fraction, inside: int) -> tuple[int, int] | None:
+    """The a and b of a + b + times*root, where the square of times*root is a*a + b*b - 2*alpha*a*b, -1 < alpha <= 1.
 
-    What is under the root less the square of the rest is -2*(1 + alpha)*a*b: the sum has the sign of max(a, b), the
-    difference that of min(a, b).
+    That less (a + b)**2 is -2*(1 + alpha)*a*b: the sum has the sign of max(a, b), the difference that of min(a, b).
     """
     terms, _ = multiples(builder, inside)
-    squares = {base: terms[part] for part in sorted(terms) if (base := _squared(builder, part)) is not None}
+    squares = {base: terms[one] for one in sorted(terms) if (base := _squared(builder, one)) is not None}
     sizes = [_rational_root(times**2 * square) for square in squares.values()]
-    if len(sizes) != 2 or not all(sizes):
+    if len(sizes) != 2 or not all(sizes) or is_partial(builder, *squares):
         return None
-    bases = [builder.mul(builder.const(size), base) for size, base in zip(sizes, squares, strict=True)]
+    rest = _without(builder, number, part, times)
     for signs in product((1, -1), repeat=2):
-        first, second = (Signed(base, sign).made(builder) for base, sign in zip(bases, signs, strict=True))
-        if _expanded(builder, builder.sub(rest, builder.add(first, second))) == 0:
-            squared = builder.add(builder.mul(first, first), builder.mul(second, second))
-            crossed = builder.sub(builder.mul(builder.const(times**2), inside), squared)
-            ratio = _ratio(builder, crossed, builder.mul(first, second))
-            return None if ratio is None or not -2 <= ratio < 2 else (first, second)
+        shares = [sign * size for sign, size in zip(signs, sizes, strict=True)]
+        first, second = (
+            sp.Rational(share) * _expanded(builder, base) for share, base in zip(shares, squares, strict=True)
+        )
+        if sp.expand(rest - first - second) == 0:
+            square = sp.Rational(times) ** 2 * _expanded(builder, inside)
+            ratio = _ratio(sp.expand(square - first**2 - second**2), sp.expand(first * second))
+            legal = ratio is not None and -2 <= ratio < 2
+            one, other = (builder.mul(builder.const(share), base) for share, base in zip(shares, squares, strict=True))
+            return (one, other) if legal else None
     return None
 
 
-def _ratio(builder: Builder, one: int, other: int) -> sp.Rational | None:
-    """How many times a node is another one; None if it is no multiple."""
-    first, second = (_expanded(builder, part) for part in (one, other))
-    leading, times = sp.Add.make_args(second)[0].as_coeff_Mul()[::-1]
-    ratio = first.as_coefficients_dict()[leading] / times if times else None
-    return ratio if ratio is not None and sp.expand(first - ratio * second) == 0 else None
+def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Rational | None:
+    """How many times a sum is another one; None if it is no multiple."""
+    leading, times = sp.Add.make_args(other)[0].as_coeff_Mul()[::-1]
+    ratio = one.as_coefficients_dict()[leading] / times if times else None
+    return ratio if ratio is not None and sp.expand(one - ratio * other) == 0 else None
+
+
+def _without(builder: Builder, number: int, part: int, times: Fraction) -> sp.Expr:
+    """A sum without so many times a part of it."""
+    return sp.expand(_expanded(builder, number) - sp.Rational(times) * sp.Symbol(str(part)))
 
 
 def _expanded(builder: Builder, number: int) -> sp.Expr:
@@ -159,13 +167,6 @@ def _expanded(builder: Builder, number: int) -> sp.Expr:
         else:
             made[part], degrees[part] = sp.Symbol(str(part)), 1
     return sp.expand(made[number])
-
-
-def _lowered(builder: Builder, *polynomials: sp.Expr) -> list[int]:
-    """The nodes of polynomials of nodes."""
-    symbols = sorted(set().union(*(one.free_symbols for one in polynomials)), key=str)
-    nodes = {symbol: raised(builder.nodes, int(symbol.name)) for symbol in symbols if symbol.name.isdigit()}
-    return lower_all(builder, [one.xreplace(nodes) for one in polynomials])
 
 
 def _squared(builder: Builder, number: int) -> int | None:

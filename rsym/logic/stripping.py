@@ -8,7 +8,7 @@ by the signs of tests on many boxes at once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple
@@ -248,16 +248,10 @@ def _sum(builder: Builder, number: int) -> tuple[int, int]:
         return number, 1
     terms, constant = found
     leading = terms[min(terms)]
-    made = total(builder, {part: terms[part] / leading for part in sorted(terms)}, constant / leading)
+    made = builder.const(constant / leading)
+    for part in sorted(terms):
+        made = builder.add(made, builder.mul(builder.const(terms[part] / leading), part))
     return made, 1 if leading > 0 else -1
-
-
-def total(builder: Builder, terms: Mapping[int, Fraction], constant: Fraction) -> int:
-    """The sum of a constant and of multiples of nodes, in their order."""
-    made = builder.const(constant)
-    for part, times in terms.items():
-        made = builder.add(made, builder.mul(builder.const(times), part))
-    return made
 
 
 def sum_terms(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fraction] | None:

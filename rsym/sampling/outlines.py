@@ -123,8 +123,12 @@ def _on_leaves(
         distance = np.abs(value) / np.linalg.norm(gradient, axis=1)
     starts = np.cumsum([0, *map(len, found)])
     neighbours = np.setdiff1d(np.arange(1, len(points)), starts)
-    joints = neighbours[np.diff(leaf)[neighbours - 1] != 0] - 1
-    bent = bends(gradient)[neighbours - 1] & np.isin(leaf, leaves.kinked)[neighbours]
+    same, turned = np.diff(leaf)[neighbours - 1] == 0, bends(gradient)[neighbours - 1]
+    # On one leaf that turns, too, another may end the boundary in between: that of the end of a strip.
+    own = neighbours[same & turned] - 1
+    ended = ~np.logical_and(*_bounds(leaves, [points[own], points[own + 1]], [leaf[own]], cell))
+    joints = np.sort(np.concatenate([neighbours[~same] - 1, own[ended]]))
+    bent = turned & np.isin(leaf, leaves.kinked)[neighbours]
     corners = _corners(leaves, Joints(points[joints], points[joints + 1], leaf[joints], leaf[joints + 1]), cell)
     places = joints[corners.joint] + 1
     ends = starts + np.searchsorted(places, starts)
@@ -349,9 +353,9 @@ def _bounds(leaves: PlaneLeaves, ends: Sequence[Floats], along: Sequence[Ints], 
 
 
 def _turn(leaves: PlaneLeaves, joints: Joints) -> Floats:
-    """The sine of the angle by which the boundary turns at a joint."""
+    """The angle by which the boundary turns at a joint."""
     ((_, before),), ((_, after),) = leaves.of(joints.before, joints.one), leaves.of(joints.after, joints.other)
     (p, q), (u, v) = before.T, after.T
     with np.errstate(all="ignore"):
-        turn: Floats = np.abs(p * v - q * u) / np.hypot(p, q) / np.hypot(u, v)
+        turn: Floats = np.arctan2(np.abs(p * v - q * u), p * u + q * v)
     return turn

@@ -88,6 +88,14 @@ def test_the_end_of_a_slot_is_not_cut_off_in_a_cell():
     assert lines_of(slot, 10, bounds=((-2, 2),) * 2).length == pytest.approx(2.1, rel=1e-9)
 
 
+@pytest.mark.parametrize(("turn", "middle"), [(5.426, (0.075, -0.006)), (2.403, (0.001, -0.097))])
+def test_the_end_of_a_slot_whose_sides_are_one_leaf_is_not_cut_off(turn, middle):
+    plate = rsym.rectangle(6.4, 4.4) - rsym.rectangle(1.43, 0.012).rotate(turn).translate(*middle)
+    lines = lines_of(plate, 50)
+    assert lines.length == pytest.approx(21.6 + 2 * 1.442, rel=1e-12)
+    assert lines.area == pytest.approx(6.4 * 4.4 - 1.43 * 0.012, rel=1e-12)
+
+
 def test_lines_do_not_run_along_a_sheet_and_back():
     def brick(x1, x2, y1, y2):
         return rsym.rectangle(x2 - x1, y2 - y1, ((x1 + x2) / 2, (y1 + y2) / 2))
