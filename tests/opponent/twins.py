@@ -197,12 +197,11 @@ def judged(twins, seed):
     """Verdicts that are decided agree."""
     if twins.walled:
         return
-    one, other = (rsym.verify_smoothness(one, bounds=twins.bounds) for one in (twins.shape, twins.plain))
-    if {one.verdict, other.verdict} <= {*DECIDED} and (one.verdict, one.continuity) != (
-        other.verdict,
-        other.continuity,
-    ):
-        yield f"{one.verdict} {one.continuity} for {other.verdict} {other.continuity}"
+    both = [rsym.verify_smoothness(one, bounds=twins.bounds) for one in (twins.shape, twins.plain)]
+    if {one.verdict for one in both} <= {*DECIDED} and all(defect.proved for one in both for defect in one.defects):
+        one, other = (f"{one.verdict} {one.continuity}" for one in both)
+        if one != other:
+            yield f"{one} for {other}"
 
 
 def lines(twins, seed):
