@@ -71,6 +71,8 @@ class Grading:
         cells are divided less often, and have rules of fewer points. With 0 nothing is known.
     falling : so many points less along each direction for each halving of a cell after the first, where not all digits
         are asked for: what a part holds falls with it.
+    enough : what is open of a cell is not divided any more where it takes so much of the area of its faces, in the
+        plane of the length of its sides.
 
     Examples
     --------
@@ -81,6 +83,7 @@ class Grading:
     points: Floats
     exponents: Floats
     falling: float = 0.0
+    enough: float = 0.0
 
     def __len__(self) -> int:
         return len(self.points)
@@ -318,9 +321,10 @@ def divide(functions: BoundedFunctions, cells: CutPieces, limits: Limits, near: 
         pieces = replace(pieces, axis=axis, proved=proved)
         going = ~proved & ~towards
         crowd = np.bincount(pieces.owner[going], minlength=1) if going.any() else np.zeros(1, np.int64)
-        last = (level >= limits.usual) & (crowd[np.minimum(pieces.owner, len(crowd) - 1)] > limits.most) | (
-            level >= limits.deepest
-        )
+        # Along a curve there are as many more pieces as each takes less of the area, at a point there are not.
+        little = 0.0 if near is None else near.enough * 2.0 ** (level * (functions.dimension - 1))
+        crowd = crowd[np.minimum(pieces.owner, len(crowd) - 1)]
+        last = (level >= limits.usual) & ((crowd > limits.most) | (crowd <= little)) | (level >= limits.deepest)
         done = (proved | last) & ~towards
         cut.append(pieces.chosen(done))
         pieces = pieces.chosen(~done).halved()

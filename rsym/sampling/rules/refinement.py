@@ -25,6 +25,7 @@ HIGHEST = 20  # beyond, cells are halved instead
 LEAST_PORTIONS = {2: 0, 3: 8}  # of a rule, that are the same ones for the next order
 AT_ONCE = 2e6  # points of a portion of a rule, about
 MOST_POINTS = {2: 2e6, 3: 6e6}  # a few seconds
+ENOUGH = {2: 0.0, 3: 10.0}  # see `Grading`, in tolerances: a cell has a hundredth of all faces, or less
 FALLING = {2: 0.0, 3: 0.5}  # see `Grading`: parts of cells in space are many
 FINER = {2: 8, 3: 2}  # times the cells, and one more, of the rule that a first agreement is held against
 AT_FIRST = 0.1  # of the time that there is, for what boxes tell
@@ -144,8 +145,8 @@ def refined(
     agree too.
     """
     dimension = shape.functions.dimension
-    towards = replace(grading(near, dimension), falling=FALLING[dimension])
     least = max(TOLERANCE[dimension] if tolerance is None else tolerance, 2 * ROUNDING)
+    towards = replace(grading(near, dimension), falling=FALLING[dimension], enough=ENOUGH[dimension] * least)
     # In space a rule of half the order costs an eighth, and is exact where faces are plane.
     count, highest = CELLS[dimension] if cells is None else cells, order if dimension == 2 else max(1, order // 2)
     rules = _Rules(shape, quantities, towards, threads, until)
