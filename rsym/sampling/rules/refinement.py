@@ -34,6 +34,7 @@ BOUNDARY = {2: 2e-14, 3: 1e-13}  # of lengths and surfaces, which hang on slopes
 # Differences that fall no faster than this fall as a power of the points along a line: this one at worst,
 # as at the root of a distance to a line. By chance one may be smaller than its like by so much.
 SLOW, POWER, CHANCE = 0.03, 0.5, 0.125
+REMEMBERED = 4  # sums before the last
 
 
 class Integral(float):
@@ -202,18 +203,17 @@ class _Rules:
             apart = np.abs(sums.values - boxed.found.values)
         self._shape.warn_of_cuts(self._shape.owner[sorted(self._met)])
         unknown = np.full_like(sums.values, np.nan)
-        self._values = [sums.values, unknown, unknown]
+        self._values = [sums.values, *[unknown] * REMEMBERED]
         return Refined(replace(sums, unresolved=boxed.found.unresolved), unknown, count, order, apart)
 
     def compared(self, count: int, order: int) -> Refined:
-        """The next sums, held against the last three."""
+        """The next sums, held against those before."""
         along = self._along
         sums = self._summed(count, order)
-        before, earlier, first = self._values
+        self._values = [sums.values, *self._values[:REMEMBERED]]
         with np.errstate(invalid="ignore"):  # of sums that are not finite
-            now, last, older = np.abs(sums.values - before), np.abs(before - earlier), np.abs(earlier - first)
-        self._values = [sums.values, before, earlier]
-        return Refined(sums, before, count, order, _apart(now, last, older, count * order / along))
+            steps = np.abs(np.diff(self._values, axis=0))
+        return Refined(sums, self._values[1], count, order, _apart(steps, count * order / along))
 
     def _summed(self, count: int, order: int) -> Sums:
         dimension = self._shape.functions.dimension
@@ -261,11 +261,13 @@ def told(found: Refined, points: int, least: float) -> Refined:
     return found
 
 
-def _apart(now: Floats, before: Floats, earlier: Floats, growth: float) -> Floats:
-    """How far the sum of the finer rule may be off, from the last three differences of sums.
+def _apart(steps: Floats, growth: float) -> Floats:
+    """How far the sum of the finer rule may be off, from the last differences of sums, the newest first.
 
-    Where they fall fast it is the last. Where they fall slowly, as powers of the points along a line do, what is still
-    to come adds up to more than that, and a small one may be chance.
+    Where they fall fast it is that one. Where they fall slowly, as powers of the points along a line do, what is still
+    to come adds up to more than that, and a small one may be chance, or two.
     """
-    slow = (now > SLOW * before) | (before > SLOW * earlier)
-    return np.where(slow, np.fmax(now, CHANCE * before) / (growth**POWER - 1), now)
+    now, before = steps[:2]
+    slow = (steps[:-1] > SLOW * steps[1:]).any(axis=0)
+    apart: Floats = np.where(slow, np.fmax(now, CHANCE * before) / (growth**POWER - 1), now)
+    return apart
