@@ -1,7 +1,6 @@
 """From SymPy to a program: one node for each shared part, R-nodes kept.
 
-The walk is iterative, so a nest of five hundred R-operations is as good as
-one. What a program cannot hold is refused by name.
+The walk is iterative: a nest of five hundred R-operations is as good as one. What does not fit is refused by name.
 
 On the way squares are completed. (b - x)*(x - a) uses x twice; interval bounds of it overestimate. As
 ((b - a)/2)**2 - (x - (a + b)/2)**2 it uses x once and its range is exact.
@@ -260,8 +259,7 @@ def _choose(b: Builder, condition: sp.Basic, yes: int, no: int, done: dict[int, 
 def _unless_nan(b: Builder, u: int, v: int, value: int) -> int:
     """The value where u - v is a number: |u - v| > -1 is false for NaN alone."""
     gap = b.abs(b.sub(u, v))
-    known = b.value(gap) is not None
-    return value if known else b.step(gap, b.const(-1), value, b.undefined())
+    return value if b.value(gap) is not None else b.step(gap, b.const(-1), value, b.undefined())
 
 
 def two_linear_factors(b: Builder, part: sp.Mul, arguments: Sequence[int], numerator: Sequence[int]) -> list[int]:
