@@ -30,6 +30,7 @@ SETTINGS = 8  # of the letters of one formula
 FINE = 16  # vertices of a line
 OFF, ACROSS, AROUND, TIPS = 1e-6, 1e-4, 128, 2  # how far, how far around, where; vertices at tips that nothing meets
 TOLERANCE = {2: 1e-5, 3: 1e-2}  # finer takes minutes beside walls; the errors that are stated hold anyway
+TOLD = 0.05  # around a place that is told, about a cell, nothing is asked
 FEW = 0.01  # of rays, and of samples: those that pass an edge of the body
 DECIDED = ("CERTIFIED", "REFUTED")
 
@@ -211,7 +212,10 @@ def lines(twins, seed):
         return  # told
     if min(map(len, other), default=FINE) < FINE:
         return  # thinner than a cell
-    points = np.concatenate([np.empty((0, 2)), *mine]).T
+    points = np.concatenate([np.empty((0, 2)), *mine])
+    for place in mine.status.places:
+        points = points[np.abs(points - place).max(axis=1) > TOLD]
+    points = points.T
     away = _off_it(twins, points)
     if away.sum() > TIPS:
         yield f"{away.sum()} vertices off the boundary, as {points[:, away][:, 0]}"
