@@ -73,67 +73,100 @@ def _chosen(builder: Builder, number: int, sign_like: Callable[[int], Signed]) -
     operation = builder.nodes[number].operation
     if operation not in {"select", "add"} or len(live(builder.nodes, [number])) > MOST_PARTS:
         return None
+    sums = _Sums(builder)
     if operation == "select":
-        return _of_condition(builder, number, sign_like)
-    terms, _ = multiples(builder, number)
-    for part, times in terms.items():
-        operation, arguments, _ = builder.nodes[part]
+        return sums.of_condition(number, sign_like)
+    for part, times in multiples(builder, number)[0].items():
+        operation = builder.nodes[part].operation
         if operation in {"abs", "sqrt"} and times and not builder.uniform[part]:
-            both = (_beside_size if operation == "abs" else _beside_root)(builder, number, part, times, arguments[0])
+            both = (sums.beside_size if operation == "abs" else sums.beside_root)(number, part, times)
             if both:
                 return builder.make("max" if times > 0 else "min", *both)
     return None
 
 
-def _of_condition(builder: Builder, number: int, sign_like: Callable[[int], Signed]) -> int | None:
-    condition, *values = sides(builder, number)
-    for above, below in (values, [sign_like(value).made(builder) for value in values]):
-        compared = (sign_like(part).made(builder) for part in (builder.sub(above, below), condition))
-        ratio = _ratio(*(_expanded(builder, part) for part in compared))
-        if ratio and not is_partial(builder, condition, above, below):
-            return builder.make("max" if ratio > 0 else "min", above, below)
-    return None
+class _Sums:
+    """Nodes as polynomials of those in them that are none; these are symbols, named by a node."""
 
+    def __init__(self, builder: Builder) -> None:
+        self.builder = builder
+        self._symbols: dict[tuple[object, ...], sp.Symbol] = {}
 
-def _beside_size(builder: Builder, number: int, part: int, times: Fraction, inside: int) -> tuple[int, int] | None:
-    """The two sums of which rest + times*|inside| is the larger or the smaller one, if terms cancel in both."""
-    beside = [one for one in multiples(builder, number)[0] if one != part]
-    if all(builder.uniform[one] for one in {*live(builder.nodes, beside)} & {*live(builder.nodes, [inside])}):
+    def of_condition(self, number: int, sign_like: Callable[[int], Signed]) -> int | None:
+        """The minimum or maximum that a choice by a condition is."""
+        builder = self.builder
+        condition, *values = sides(builder, number)
+        for above, below in (values, [sign_like(value).made(builder) for value in values]):
+            compared = (sign_like(part).made(builder) for part in (builder.sub(above, below), condition))
+            ratio = _ratio(*(self._expanded(part) for part in compared))
+            if ratio and not is_partial(builder, condition, above, below):
+                return builder.make("max" if ratio > 0 else "min", above, below)
         return None
-    rest, size = _without(builder, number, part, times), sp.Rational(times) * _expanded(builder, inside)
-    both = [sp.expand(rest + size), sp.expand(rest - size)]
-    terms = {**rest.as_coefficients_dict(), **sp.expand(size).as_coefficients_dict()}
-    if max(len(one.as_coefficients_dict()) for one in both) >= len(terms) or is_partial(builder, number):
-        return None
-    symbols = sorted(set().union(*(one.free_symbols for one in both)), key=str)
-    nodes = {symbol: raised(builder.nodes, int(symbol.name)) for symbol in symbols if symbol.name.isdigit()}
-    first, second = lower_all(builder, [one.xreplace(nodes) for one in both])
-    return first, second
 
+    def beside_size(self, number: int, part: int, times: Fraction) -> tuple[int, int] | None:
+        """The two sums of which rest + times*|inside| is the larger or the smaller one, if terms cancel in both."""
+        builder, (inside,) = self.builder, self.builder.nodes[part].arguments
+        beside = [one for one in multiples(builder, number)[0] if one != part]
+        if all(builder.uniform[one] for one in {*live(builder.nodes, beside)} & {*live(builder.nodes, [inside])}):
+            return None
+        rest, size = self._without(number, part, times), sp.Rational(times) * self._expanded(inside)
+        both = [sp.expand(rest + size), sp.expand(rest - size)]
+        terms = {**rest.as_coefficients_dict(), **sp.expand(size).as_coefficients_dict()}
+        if max(len(one.as_coefficients_dict()) for one in both) >= len(terms) or is_partial(builder, number):
+            return None
+        nodes = {symbol: raised(builder.nodes, int(symbol.name)) for symbol in self._symbols.values()}
+        first, second = lower_all(builder, [one.xreplace(nodes) for one in both])
+        return first, second
 
-def _beside_root(builder: Builder, number: int, part: int, times: Fraction, inside: int) -> tuple[int, int] | None:
-    """The a and b of a + b + times*root, where the square of times*root is a*a + b*b - 2*alpha*a*b, -1 < alpha <= 1.
+    def beside_root(self, number: int, part: int, times: Fraction) -> tuple[int, int] | None:
+        """The a and b of a + b + times*root; the square of that product is a*a + b*b - 2*alpha*a*b, -1 < alpha <= 1.
 
-    That less (a + b)**2 is -2*(1 + alpha)*a*b: the sum has the sign of max(a, b), the difference that of min(a, b).
-    """
-    terms, _ = multiples(builder, inside)
-    squares = {base: terms[one] for one in sorted(terms) if (base := _squared(builder, one)) is not None}
-    sizes = [_rational_root(times**2 * square) for square in squares.values()]
-    if len(sizes) != 2 or not all(sizes) or is_partial(builder, *squares):
-        return None
-    rest = _without(builder, number, part, times)
-    for signs in product((1, -1), repeat=2):
-        shares = [sign * size for sign, size in zip(signs, sizes, strict=True)]
-        first, second = (
-            sp.Rational(share) * _expanded(builder, base) for share, base in zip(shares, squares, strict=True)
+        It less (a + b)**2 is -2*(1 + alpha)*a*b: the sum has the sign of max(a, b), the difference that of min(a, b).
+        """
+        builder = self.builder
+        terms, constant = multiples(builder, builder.nodes[part].arguments[0])
+        squares = {one: base for one in sorted(terms) if (base := _squared(builder, one)) is not None}
+        sizes = [_rational_root(times**2 * terms[one]) for one in squares]
+        bases = list(squares.values())
+        if len(sizes) != 2 or not all(sizes) or is_partial(builder, *bases):
+            return None
+        crossed = sp.Rational(constant) + sum(
+            sp.Rational(share) * self._expanded(one) for one, share in terms.items() if one not in squares
         )
-        if sp.expand(rest - first - second) == 0:
-            square = sp.Rational(times) ** 2 * _expanded(builder, inside)
-            ratio = _ratio(sp.expand(square - first**2 - second**2), sp.expand(first * second))
-            legal = ratio is not None and -2 <= ratio < 2
-            one, other = (builder.mul(builder.const(share), base) for share, base in zip(shares, squares, strict=True))
-            return (one, other) if legal else None
-    return None
+        rest, polynomials = self._without(number, part, times), [self._expanded(base) for base in bases]
+        for signs in product((1, -1), repeat=2):
+            shares = [sign * size for sign, size in zip(signs, sizes, strict=True)]
+            first, second = (sp.Rational(share) * one for share, one in zip(shares, polynomials, strict=True))
+            if sp.expand(rest - first - second) == 0:
+                ratio = _ratio(sp.expand(sp.Rational(times) ** 2 * crossed), sp.expand(first * second))
+                made = (builder.mul(builder.const(share), base) for share, base in zip(shares, bases, strict=True))
+                return None if ratio is None or not -2 <= ratio < 2 else (next(made), next(made))
+        return None
+
+    def _without(self, number: int, part: int, times: Fraction) -> sp.Expr:
+        """A sum without so many times a part of it."""
+        return sp.expand(self._expanded(number) - sp.Rational(times) * self._expanded(part))
+
+    def _expanded(self, number: int) -> sp.Expr:
+        nodes = self.builder.nodes
+        made: dict[int, sp.Expr] = {}
+        degrees: dict[int, int] = {}
+        for part in live(nodes, [number]):
+            operation, arguments, data = nodes[part]
+            inner, below = [degrees[argument] for argument in arguments], [made[argument] for argument in arguments]
+            degrees[part] = HIGHEST + 1
+            if operation in {"const", "input", "add", "neg"}:
+                degrees[part] = max(inner, default=int(operation == "input"))
+            elif operation == "mul":
+                degrees[part] = sum(inner)
+            elif operation == "powi" and isinstance(data, int) and data > 0:
+                degrees[part] = inner[0] * data
+            if degrees[part] <= HIGHEST:
+                made[part] = raised_node(nodes[part], below)
+            else:  # the same of the same, however that is written
+                same = (operation, data, *map(sp.expand, below))
+                made[part], degrees[part] = self._symbols.setdefault(same, sp.Symbol(str(part))), 1
+        return sp.expand(made[number])
 
 
 def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Rational | None:
@@ -143,36 +176,14 @@ def _ratio(one: sp.Expr, other: sp.Expr) -> sp.Rational | None:
     return ratio if ratio is not None and sp.expand(one - ratio * other) == 0 else None
 
 
-def _without(builder: Builder, number: int, part: int, times: Fraction) -> sp.Expr:
-    """A sum without so many times a part of it."""
-    return sp.expand(_expanded(builder, number) - sp.Rational(times) * sp.Symbol(str(part)))
-
-
-def _expanded(builder: Builder, number: int) -> sp.Expr:
-    """A node as a polynomial of those in it that are none themselves, or of a high degree, as symbols."""
-    made: dict[int, sp.Expr] = {}
-    degrees: dict[int, int] = {}
-    for part in live(builder.nodes, [number]):
-        node = builder.nodes[part]
-        inner = [degrees[argument] for argument in node.arguments]
-        degrees[part] = HIGHEST + 1
-        if node.operation in {"const", "input", "add", "neg"}:
-            degrees[part] = max(inner, default=int(node.operation == "input"))
-        elif node.operation == "mul":
-            degrees[part] = sum(inner)
-        elif node.operation == "powi" and isinstance(node.data, int) and node.data > 0:
-            degrees[part] = inner[0] * node.data
-        if degrees[part] <= HIGHEST:
-            made[part] = raised_node(node, [made[argument] for argument in node.arguments])
-        else:
-            made[part], degrees[part] = sp.Symbol(str(part)), 1
-    return sp.expand(made[number])
-
-
 def _squared(builder: Builder, number: int) -> int | None:
+    """What a node is the square of by its form; SymPy squares the values of a choice."""
     operation, arguments, data = builder.nodes[number]
+    if operation == "select":
+        first, second = (_squared(builder, value) for value in arguments[2:])
+        return None if first is None or second is None else builder.step(arguments[0], arguments[1], first, second)
     is_square = (operation == "mul" and arguments[0] == arguments[1]) or (operation == "powi" and data == 2)
-    return arguments[0] if is_square else None
+    return arguments[0] if is_square else number if operation == "undefined" else None
 
 
 def _rational_root(square: Fraction) -> Fraction:

@@ -41,6 +41,17 @@ def test_a_minimum_is_a_gate_however_it_is_written(written, pair):
     np.testing.assert_array_equal(largest, signs(sp.Max(*pair))[0])
 
 
+@pytest.mark.parametrize("inner", LEAST)
+@pytest.mark.parametrize("outer", LEAST)
+def test_a_minimum_of_a_minimum_is_a_gate_of_gates(outer, inner):
+    parts = ONE, OTHER, sp.Rational(1, 3) - z
+    found, form = signs(LEAST[outer](LEAST[inner](*parts[:2]), parts[2]))
+    np.testing.assert_array_equal(found, signs(sp.Min(*parts))[0])
+    if "value" in outer or ("root" in outer and "product" not in inner):
+        assert len(form.leaves) == 3
+        assert [gate.operation for gate in form.gates] == ["min", "min"]
+
+
 NONE = {
     "another condition": sp.Piecewise((ONE, x < y), (OTHER, True)),
     "the root of less": ONE + OTHER - sp.sqrt(ONE**2 + OTHER**2 - 3 * ONE * OTHER),
