@@ -47,7 +47,7 @@ def test_a_minimum_of_a_minimum_is_a_gate_of_gates(outer, inner):
     parts = ONE, OTHER, sp.Rational(1, 3) - z
     found, form = signs(LEAST[outer](LEAST[inner](*parts[:2]), parts[2]))
     np.testing.assert_array_equal(found, signs(sp.Min(*parts))[0])
-    if "value" in outer or ("root" in outer and "product" not in inner):
+    if ("value" in outer or "root" in outer) and "product" not in inner:  # what is under that root may be negative
         assert len(form.leaves) == 3
         assert [gate.operation for gate in form.gates] == ["min", "min"]
 
