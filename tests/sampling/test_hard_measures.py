@@ -277,6 +277,20 @@ def test_stated_errors_hold_in_the_plane(seed):
     assert holds(found.length, float(length)), formula
 
 
+@pytest.mark.parametrize("scale", [1, 1000, sp.Rational(1, 1000)])
+@pytest.mark.parametrize("k", range(4))
+def test_what_touches_a_side_of_a_cell_belongs_to_one_of_both(k, scale):
+    # A hole as wide as two cells about a corner of cells; rounding gave its tip to both, 1e-9 of the length.
+    middle, cell = (sp.Rational(3 + 7 * k, 10), sp.Rational(11 + 5 * k, 50)), scale * sp.Rational(4536 + 17 * k, 10000)
+    u, v = x - scale * middle[0], y - scale * middle[1]
+    radii = float(3 * cell), float(cell)
+    ring = rsym.conjunction(9 * cell**2 - u**2 - v**2, u**2 + v**2 - cell**2)
+    bounds = [(scale * place - 4 * cell, scale * place + 4 * cell) for place in middle]
+    found = rsym.measure(rsym.Shape(ring, (x, y), bounds=bounds))
+    assert holds(found.length, 2 * math.pi * sum(radii), 1e-13)
+    assert holds(found.area, math.pi * (radii[0] ** 2 - radii[1] ** 2), 1e-13)
+
+
 def test_small_differences_after_slow_ones_are_chance():
     # Of a cone whose tip is a kink of heights; the last sum was 4e-11 off.
     steps = np.array([[1.5e-11], [5.4e-10], [2.5e-8], [7.7e-8]])

@@ -6,6 +6,7 @@ one stands upright. Between breaks every root is a smooth function of the base.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +22,7 @@ from rsym.sampling.rules.segments import Segments
 from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST, SAME
 
 NARROW = 16.0  # roots of tolerances: where two leaves touch, closer than rounding, a segment is no wider
+ROOT = math.sqrt(8 * np.finfo(np.float64).eps)  # of a tolerance, which is a length, over that of the bounds
 ROUNDED = 0.125  # of tolerances: a place is that unsharp
 BOTH = 5.0  # of the base: two leaves that climb no steeper than 2
 
@@ -158,8 +160,30 @@ class _Breaks:
         least, most = along(pieces.gradient[:, :, which], 1 - axis)
         brackets, double, middle = isolate(curves, lower, upper, below, above, least, most)
         found = np.concatenate([brackets.which, double])
-        places = np.concatenate([roots(curves, brackets), middle])
+        places = self._touched(curves, found, np.concatenate([roots(curves, brackets), middle]), lower, upper)
         return piece[found], places, self.columns.upright[which[found]]
+
+    def _touched(self, curves: EndCurves, found: Ints, places: Floats, lower: Floats, upper: Floats) -> Floats:
+        """Places where functions are zero; where one touches an end of its piece, that very place.
+
+        Rounding makes two of it, or one beside an end of the base, and others in the piece on the other side: between
+        them it would decide which of both pieces has the boundary.
+        """
+        tolerance, places = curves.tolerance, places.copy()
+        axis = curves.axis[found]
+        _, gradient = curves.functions.evaluate(curves.leaf[found], placed(axis, places, curves.height[found]))
+        some = np.flatnonzero(np.abs(along(gradient, 1 - axis)) <= NARROW * ROOT * np.abs(along(gradient, axis)))
+        near = NARROW * tolerance / ROOT
+        some = some[np.lexsort((places[some], found[some]))]
+        pair = np.stack([some[:-1], some[1:]])
+        pair = pair[:, (found[pair[0]] == found[pair[1]]) & (places[pair[1]] - places[pair[0]] <= near)]
+        middle = places[pair].mean(axis=0)
+        ends = [(some, end[found[some]]) for end in (lower, upper)]
+        for which, one in ((pair[0], middle), (pair[1], middle), *ends):
+            value, _ = curves.evaluate(found[which], one)
+            touched = (np.abs(value) <= tolerance) & (np.abs(one - places[which]) <= near)
+            places[which[touched]] = one[touched]
+        return places
 
     def _parted(self, piece: Ints, place: Floats) -> tuple[tuple[Ints, Floats, Floats], float]:
         """CutPieces cut at places: piece, lower and upper end of each part; the length that leaves have between."""
