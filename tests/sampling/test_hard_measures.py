@@ -291,6 +291,20 @@ def test_what_touches_a_side_of_a_cell_belongs_to_one_of_both(k, scale):
     assert holds(found.area, math.pi * (radii[0] ** 2 - radii[1] ** 2), 1e-13)
 
 
+def test_a_hole_that_touches_inside_of_a_side_belongs_to_one_of_both():
+    # Four places were found of one, two of them at the end of halving.
+    cell, corner = sp.Rational(63, 160), (sp.Rational(8127, 4000), sp.Rational(-3717, 4000))
+    u, v = x - corner[0] - 9 * cell / 2, y - corner[1] - 4 * cell
+    wide = sp.Rational(79, 20) * cell
+    sides = [wide - sign * place for place in (u + cell / 2, v) for sign in (1, -1)]
+    bounds = [(low, low + 8 * cell) for low in corner]
+    found = rsym.measure(
+        rsym.Shape(rsym.conjunction((u / (2 * cell)) ** 2 + (v / (2 * cell)) ** 2 - 1, *sides), (x, y), bounds=bounds)
+    )
+    assert holds(found.length, float(8 * wide + 4 * sp.pi * cell), 1e-13)
+    assert holds(found.area, float(4 * wide**2 - 4 * sp.pi * cell**2), 1e-13)
+
+
 def test_small_differences_after_slow_ones_are_chance():
     # Of a cone whose tip is a kink of heights; the last sum was 4e-11 off.
     steps = np.array([[1.5e-11], [5.4e-10], [2.5e-8], [7.7e-8]])

@@ -175,14 +175,13 @@ class _Breaks:
         some = np.flatnonzero(np.abs(along(gradient, 1 - axis)) <= NARROW * ROOT * np.abs(along(gradient, axis)))
         near = NARROW * tolerance / ROOT
         some = some[np.lexsort((places[some], found[some]))]
-        pair = np.stack([some[:-1], some[1:]])
-        pair = pair[:, (found[pair[0]] == found[pair[1]]) & (places[pair[1]] - places[pair[0]] <= near)]
-        middle = places[pair].mean(axis=0)
-        ends = [(some, end[found[some]]) for end in (lower, upper)]
-        for which, one in ((pair[0], middle), (pair[1], middle), *ends):
-            value, _ = curves.evaluate(found[which], one)
-            touched = (np.abs(value) <= tolerance) & (np.abs(one - places[which]) <= near)
-            places[which[touched]] = one[touched]
+        apart = (np.diff(found[some]) != 0) | (np.diff(places[some]) > near)
+        heap = np.concatenate([[0], np.cumsum(apart)])[: len(some)]
+        middle = np.bincount(heap, places[some]) / np.bincount(heap) if len(some) else places[some]
+        for one in (middle[heap], lower[found[some]], upper[found[some]]):
+            value, _ = curves.evaluate(found[some], one)
+            touched = (np.abs(value) <= tolerance) & (np.abs(one - places[some]) <= near)
+            places[some[touched]] = one[touched]
         return places
 
     def _parted(self, piece: Ints, place: Floats) -> tuple[tuple[Ints, Floats, Floats], float]:
