@@ -114,7 +114,8 @@ class _Sums:
         terms = {**rest.as_coefficients_dict(), **sp.expand(size).as_coefficients_dict()}
         if max(len(one.as_coefficients_dict()) for one in both) >= len(terms) or is_partial(builder, number):
             return None
-        nodes = {symbol: raised(builder.nodes, int(symbol.name)) for symbol in self._symbols.values()}
+        symbols = set().union(*(one.free_symbols for one in both)) & {*self._symbols.values()}
+        nodes = {symbol: raised(builder.nodes, int(symbol.name)) for symbol in symbols}
         first, second = lower_all(builder, [one.xreplace(nodes) for one in both])
         return first, second
 
