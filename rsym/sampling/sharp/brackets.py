@@ -15,7 +15,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Integers, Ints, Shorts
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.sharp.corners import is_inside, is_zero, off_surface, on_surface
-from rsym.sampling.sharp.crossings import HALVINGS, Crossings
+from rsym.sampling.sharp.crossings import HALVINGS, ZERO, Crossings, evaluate
 from rsym.sampling.sharp.faces import ranges
 from rsym.sampling.sharp.loops import in_threads, loop
 from rsym.sampling.sharp.topology import Topology
@@ -72,10 +72,32 @@ def bring_back(
     on = is_zero(kernels, where, lattice, pool) | on_surface(off_surface(kernels, where, lattice, pool), lattice)
     low = lattice[:3, None] + lattice[3:, None] * (cells_of(which, surface) - AWAY)
     near = np.asarray(((low <= where) & (where <= low + lattice[3:, None] * (1 + 2 * AWAY))).all(axis=0))
-    near[len(lost) :] = True  # edges and corners may lie beside the cell whose crossings show them
+    # Edges and corners may lie beside the cell whose crossings show them, on a leaf of these.
+    near[len(lost) :] = _on_own(kernels, features, where[:, len(lost) :], surface, crossings, lattice, pool)
     bad = which[~(on & near)]
     if len(bad):
         points[:, bad] = bracketed(kernels, bad, surface, crossings, lattice, pool)
+
+
+def _on_own(
+    kernels: MesherKernels,
+    which: Ints,
+    where: Floats,
+    surface: Topology,
+    crossings: Crossings,
+    lattice: Floats,
+    pool: Executor | None,
+) -> Flags:
+    """Whether points (3, n) lie on a leaf of the crossings around some vertices: not where one has a kink far away."""
+    begin = surface.ring_start[which]
+    owner, at = ranges(begin, surface.ring_start[which + 1] - begin)
+    leaf, places = np.full(padded(len(at)), -1, np.int16), columns(where[:, owner])
+    leaf[: len(at)] = crossings.leaf[surface.ring[at]]
+    value, gradient = np.zeros(len(leaf)), np.zeros(places.shape)
+    evaluate(kernels, leaf, places, value, gradient, len(at), pool)
+    steep = np.abs(crossings.gradients[:, surface.ring[at]]).T @ lattice[3:]  # at a kink it may be without bound
+    on = (np.abs(value[: len(at)]) <= ZERO * steep) | (steep == 0)  # at a jump slopes say nothing
+    return np.asarray(np.bincount(owner, on, len(which)) > 0)
 
 
 @loop
