@@ -212,7 +212,9 @@ def _look_at(
     high = np.asarray(values >= 0)
     doubtful = _doubtful(leaves, lattice, cells, high, wild)
     unseen = np.asarray((_hidden(high, cells, beyond) | beyond_chords(high, beyond) | doubtful) & known & wild)
-    unseen[unseen] = ~_tips(leaves, lattice, cells.first[unseen])
+    tips = np.zeros(len(unseen), np.bool_)
+    tips[unseen] = _tips(leaves, lattice, cells.first[unseen])
+    unseen &= ~_joined(tips, cells)
     if beyond >= PARTS:
         tips, ends = unseen.copy(), unseen.copy()
         tips[unseen], ends[unseen] = _tips_around(leaves, lattice, cells.first[unseen])
@@ -265,6 +267,14 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
     with np.errstate(all="ignore"):
         tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & holds
     return tips
+
+
+def _joined(tips: Flags, cells: CutCells) -> Flags:
+    """Which tips go on to a line that samples show: of a needle that none shows all cells would be such."""
+    joined = tips & grown(cells.crossed, cells.first)
+    while (more := tips & grown(joined, cells.first)).sum() > joined.sum():
+        joined = more
+    return joined
 
 
 def _tips_around(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> tuple[Flags, Flags]:

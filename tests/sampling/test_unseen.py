@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from opponent.thin import Thin, asked
 
 import rsym
 from rsym import x, y
@@ -36,6 +37,11 @@ def test_a_sharp_tip_is_no_doubt():
     lines = lines_of(rsym.polygon([(0, 0), (10, 0), (10, 0.4)]), 64)
     assert lines.length == pytest.approx(10.4 + math.hypot(10, 0.4), rel=1e-12)
     assert (lines.status.unseen, lines.status.unresolved_corners) == (0, 0)
+
+
+def test_a_needle_that_no_sample_shows_is_no_tip():
+    # In all of its cells its two sides alone matter, and cross at its end: it was taken for the end of something seen.
+    assert asked(Thin(90974)) == ("right", [])
 
 
 @pytest.mark.parametrize("resolution", [16, 56, 166, 256, 286])
