@@ -96,7 +96,8 @@ class _Sums:
         """The minimum or maximum that a choice by a condition is."""
         builder = self.builder
         condition, *values = sides(builder, number)
-        for above, below in (values, [sign_like(value).made(builder) for value in values]):
+        pairs = [(values[0], values[1]), (sign_like(values[0]).made(builder), sign_like(values[1]).made(builder))]
+        for above, below in dict.fromkeys(pairs):
             compared = (sign_like(part).made(builder) for part in (builder.sub(above, below), condition))
             ratio = _ratio(*(self._expanded(part) for part in compared))
             if ratio and not is_partial(builder, condition, above, below):

@@ -271,6 +271,8 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
 
 def _joined(tips: Flags, cells: CutCells) -> Flags:
     """Which tips go on to a line that samples show: of a needle that none shows all cells would be such."""
+    if not tips.any():
+        return tips
     joined = tips & grown(cells.crossed, cells.first)
     while (more := tips & grown(joined, cells.first)).sum() > joined.sum():
         joined = more
