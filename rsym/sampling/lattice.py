@@ -27,6 +27,7 @@ SHIFTS = (0.381966, 0.414214, 0.442777)
 # Meshing holds 13 bytes a sample (float64, float32 and a sign): this many fill 8 GB.
 MOST_POINTS = 600_000_000
 AROUND = np.indices((3, 3)).reshape(2, -1).T - 1  # a cell of a plane and its neighbours
+TOGETHER = 3  # cells that one place is told for, along each axis
 
 
 @dataclass(frozen=True)
@@ -133,19 +134,25 @@ def grown(some: Flags, cells: Ints) -> Flags:
 
 
 def heaps(index: Floats) -> Floats:
-    """Of places (n, 2) in indices the first of each heap of cells that lie side by side.
+    """Of places (n, 2) in indices the first of each heap of cells side by side, then one in each TOGETHER cells of it.
 
     Examples
     --------
     >>> heaps(np.array([(0.5, 0.5), (7.5, 3.5), (1.5, 1.5)])).tolist()
     [[0.5, 0.5], [7.5, 3.5]]
+    >>> heaps(np.array([(0.5, 0.5), (1.5, 0.5), (2.5, 0.5), (3.5, 1.5), (4.5, 1.5)])).tolist()
+    [[0.5, 0.5], [3.5, 1.5]]
     """
     cells, own = np.unique(np.floor(index).astype(np.int64), axis=0, return_inverse=True)
     near = numbers_of(cells, (cells[:, None] + AROUND).reshape(-1, 2))
     pairs = np.stack([np.repeat(np.arange(len(cells)), len(AROUND)), near])[:, near >= 0]
     links = coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(len(cells), len(cells)))
-    heap = connected_components(links, directed=False)[1][own.ravel()]
-    return index[np.sort(np.unique(heap, return_index=True)[1])]
+    count, heap = connected_components(links, directed=False)
+    low = np.full((count, 2), np.iinfo(np.int64).max)
+    np.minimum.at(low, heap, cells)
+    part = np.column_stack([heap, (cells - low[heap]) // TOGETHER])[own.ravel()]
+    first, apart = (np.unique(some, axis=0, return_index=True)[1] for some in (part[:, :1], part))
+    return index[np.concatenate([np.sort(first), np.setdiff1d(apart, first)])]
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ class _TooMuch(Exception):
 class SeenLines(NamedTuple):
     """Lines by the middles (n, 2) of the sides that they cross, in indices; how many cells are unseen, and where.
 
-    Of those that lie together one place is told.
+    Of a few that lie together one place is told.
 
     Not `examined` are forms without bounds, and those that have none in too many cells.
     """

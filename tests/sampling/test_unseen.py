@@ -118,6 +118,13 @@ def test_what_is_too_thin_for_the_finest_cells_is_told():
     assert "lines may be missing" in str(lines.status)
 
 
+def test_what_is_too_thin_is_told_all_along():
+    with pytest.warns(rsym.RsymWarning, match="Unresolved in"):
+        lines = lines_of(rsym.rectangle(5, 1e-7).rotate(0.3), 16)
+    along = np.sort(np.array(lines.status.places) @ [math.cos(0.3), math.sin(0.3)])
+    assert np.diff(along, prepend=-2.5, append=2.5).max() < 2
+
+
 @pytest.mark.parametrize(
     "shape",
     [rsym.disc(1), rsym.rectangle(2, 1) | rsym.disc(1, (1, 0.5)), rsym.ellipse(3, 1).rotate(0.3) - rsym.disc(0.5)],
