@@ -152,7 +152,7 @@ def heaps(index: Floats) -> Floats:
     np.minimum.at(low, heap, cells)
     part = np.column_stack([heap, (cells - low[heap]) // TOGETHER])[own.ravel()]
     first, apart = (np.unique(some, axis=0, return_index=True)[1] for some in (part[:, :1], part))
-    return index[np.concatenate([np.sort(first), np.setdiff1d(apart, first)])]
+    return np.asarray(index[np.concatenate([np.sort(first), np.setdiff1d(apart, first)])])
 
 
 @dataclass(frozen=True)
