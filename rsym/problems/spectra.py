@@ -188,7 +188,7 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
     grid = rule.grid
     free = not problem.leaves(Dirichlet, Clamped)
     unit = 1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order
-    values, vectors = eigenpairs(stiffness, masses, count, -unit if free else 0.0, unit)
+    values, vectors = eigenpairs(stiffness, masses, count, -unit if free else 0.0, unit, last=problem.extra_count)
     inner = discrete.splines.extension.shape[1]
     made = reported(rule, cells, degree, Solved(vectors[:, 0], 0, 0.0)).of_corners(problem.corners)
     found = []

@@ -10,6 +10,7 @@ from scipy.special import iv, ivp, jn_zeros, jnp_zeros
 
 import rsym
 from rsym import y
+from rsym.problems.systems import linear
 
 DRUM = jn_zeros(0, 1)[0] ** 2
 
@@ -93,3 +94,35 @@ def test_letters_of_a_spectrum():
     r = sp.Symbol("r", real=True)
     drum = rsym.modes(rsym.disc(r, letters={r: 1}), 2, cells=12, mass=2)
     np.testing.assert_allclose(drum.with_letters({"r": 0.5}).values, 4 * drum.values, rtol=1e-9)
+
+
+HEXAGON = 7.155339133926055  # side 1; Jones, Computing ultra-precise eigenvalues (2017)
+
+
+def test_functions_of_corners_that_splines_make_up_spoil_no_mode():
+    """On fine grids of a high degree functions at flat corners are splines but for rounding."""
+    found = rsym.modes(rsym.regular_polygon(6, 1.6), 4, cells=48, degree=6).values
+    assert found[0] * 1.6**2 == pytest.approx(HEXAGON, rel=1e-11)
+    assert found[1] == pytest.approx(found[2], rel=1e-11)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "shape",
+    [
+        rsym.polygon([(0, -1), (1, 0), (0, 2), (-1, 0)]),
+        rsym.regular_polygon(5, 1),
+        rsym.regular_polygon(8, 1),
+        rsym.regular_polygon(6, 1.2) - rsym.disc(0.34),
+    ],
+    ids=["kite", "pentagon", "octagon", "holed"],
+)
+def test_modes_of_polygons_are_those_of_other_cells(shape):
+    fine, coarse = (rsym.modes(shape, 3, cells=cells, degree=degree).values for cells, degree in ((40, 6), (24, 4)))
+    np.testing.assert_allclose(fine, coarse, rtol=2e-6)
+
+
+def test_an_eigenvalue_that_would_be_rounding_is_refused(monkeypatch):
+    monkeypatch.setattr(linear, "UNSURE", 0.0)
+    with pytest.raises(rsym.RsymError, match="would be rounding"):
+        rsym.modes(rsym.rectangle(2, 1), 1, cells=8)
