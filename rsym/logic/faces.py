@@ -17,7 +17,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 import sympy as sp
 
 from rsym.logic.sign_form import SignForm, shape_form, sign_form, through
-from rsym.logic.stripping import bare, scaled
+from rsym.logic.stripping import bare, unscaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
@@ -100,7 +100,7 @@ class Faces:
     def shared(self) -> frozenset[int]:
         """The leaves whose faces have several names, and those that are multiples of others with another name."""
         together: defaultdict[int, set[tuple[str, ...]]] = defaultdict(set)
-        keys = [scaled(self.form.builder, leaf)[0] for leaf in self.form.leaves]
+        keys = [bare(self.form.builder, leaf) for leaf in self.form.leaves]
         for face in self.faces:
             together[keys[face.leaf]].add(face.parts[:1])
         return frozenset(leaf for leaf, key in enumerate(keys) if len(together[key]) > 1)
@@ -222,12 +222,12 @@ class _Named:
         for number, (name, expression) in enumerate(given):
             both = nodes[2 * number : 2 * number + 2]
             forms = [sign_form(builder, node) for node in (*both, *map(builder.neg, both))]
-            leaves = [scaled(builder, leaf)[0] for one in forms for leaf in one.leaves]
+            leaves = [bare(builder, leaf) for one in forms for leaf in one.leaves]
             parts.append(_Part(name, expression, len(forms[0].leaves), frozenset(leaves)))
             for top in {_numbered(one, numbers)[-1] for one in forms}:
                 at[top].append(number)
         begins = {operand: _chains(parts, at[key]) for operand, key in enumerate(whole) if key in at}
-        keys = tuple(scaled(builder, leaf)[0] for leaf in form.leaves)
+        keys = tuple(bare(builder, leaf) for leaf in form.leaves)
         named = cls(tuple(parts), begins, keys, frozenset())
         outside = {chain[0] for operand in _outside(form, begins) for chain in begins[operand]}
         own = frozenset(number for number in outside if parts[number].size == 1)
@@ -252,11 +252,7 @@ class _Named:
 
 def _numbered(form: SignForm, numbers: dict[Any, int]) -> list[int]:
     """A number for each operand: equal ones are equal but for positive factors and the order in a gate."""
-    b = form.builder
-    leaves = []
-    for leaf in form.leaves:
-        key, times = scaled(b, leaf)
-        leaves.append(numbers.setdefault((key, times > 0), len(numbers)))
+    leaves = [numbers.setdefault(unscaled(form.builder, leaf), len(numbers)) for leaf in form.leaves]
     return through(
         form.gates,
         leaves,

@@ -17,7 +17,7 @@ from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
 from rsym.program.row import UP
 
-TERMS = 32  # parts of a sum that is compared with others
+TERMS, FACTORS = 32, 5  # parts of a sum that is compared with others, and products in one another
 LARGEST = Fraction(2**180)  # coefficients beyond are of another unit: their fourth power is hardly a number
 
 
@@ -205,6 +205,16 @@ def scaled(builder: Builder, number: int) -> tuple[int, Fraction]:
             return number, times
 
 
+def _divided(builder: Builder, number: int, deep: int = FACTORS) -> tuple[int, Fraction]:
+    """The same without the numbers within a product: sqrt(2)*x and 5/17 of sqrt(2)*(5/17*x)."""
+    inner, times = scaled(builder, number)
+    if deep and builder.nodes[inner].operation == "mul":
+        (one, p), (other, q) = (_divided(builder, part, deep - 1) for part in builder.nodes[inner].arguments)
+        if p * q != 1:
+            return builder.mul(one, other), times * p * q
+    return inner, times
+
+
 def bare(builder: Builder, number: int) -> int:
     """The node without sign and constant factor: its zeros are the same."""
     return unscaled(builder, number).number
@@ -218,7 +228,7 @@ def factor(builder: Builder, number: int) -> int:
 def unscaled(builder: Builder, number: int) -> Signed:
     """A node u and a sign: the node is u times a constant of that sign. Asked on every box, worked out once."""
     if number not in builder.scaled:
-        inner, times = scaled(builder, number)
+        inner, times = _divided(builder, number)
         made, positive = _sum(builder, inner) if builder.nodes[inner].operation == "add" else (inner, 1)
         builder.scaled[number] = made, positive if times > 0 else -positive
     return Signed(*builder.scaled[number])
@@ -270,14 +280,12 @@ def multiples(builder: Builder, number: int) -> tuple[dict[int, Fraction], Fract
     while stack:
         part, times = stack.pop()
         count += 1
+        inner, share = _divided(builder, part)
         operation, arguments, data = builder.nodes[part]
-        value = builder.value(arguments[0]) if operation == "mul" else None
         if operation == "add":
             stack.extend((argument, times) for argument in arguments)
-        elif operation == "neg":
-            stack.append((arguments[0], -times))
-        elif value is not None:
-            stack.append((arguments[1], times * value))
+        elif inner != part:
+            stack.append((inner, times * share))
         elif operation == "const" and isinstance(data, Fraction):
             constant += times * data
         else:

@@ -34,6 +34,23 @@ def test_parts_outlive_operations():
     assert rsym.revolve(disc, axis=y).parts == (("disc", real - x**2 - y**2 - z**2),)
 
 
+@pytest.mark.parametrize(
+    "moved",
+    [
+        lambda one: one.scale(2),
+        lambda one: one.scale(sp.Rational(3, 10)).rotate(1),
+        lambda one: one.rotate(sp.pi / 4).scale(3, centre=(1, 2)),
+        lambda one: one.translate(1, 0.5).rotate(2).scale(sp.Rational(7, 10)),
+        lambda one: one.scale((2, 3)),
+    ],
+    ids=["enlarged", "turned", "eighth", "all", "stretched"],
+)
+def test_holes_keep_their_names_when_they_are_moved(moved):
+    cut = rsym.disc(1).named("hole"), rsym.half_plane((1, 1), 2).named("chamfer"), rsym.ellipse(2, 1).named("oval")
+    plate = rsym.rectangle(6, 5).named("plate") - cut[0] - cut[1] - cut[2].translate(-1, 1)
+    assert {*names(moved(plate))} == {*names(plate)} == {"plate", "hole", "chamfer", "oval"}
+
+
 def test_a_new_name_replaces_the_old_one_and_an_empty_one_is_refused():
     assert ball.named("sphere").parts == (("sphere", ball.expression),)
     with pytest.raises(RsymError, match="needs a name"):

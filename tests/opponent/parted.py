@@ -103,6 +103,8 @@ class Bricks:
         """The names of a box: of one box twice it is not known which is meant, a name of its own before a group's."""
         own = self.boxes[number]
         names = {name for box, name in zip(self.boxes, self.names, strict=True) if box == own and name}
+        if number >= self.joined and self.boxes[0] != self.boxes[1]:
+            names -= {GROUP}  # what is cut out has the shape of a box of the group, and is none
         return names - {GROUP} or names
 
     def _inner(self, ends):
@@ -218,19 +220,41 @@ def asked(case):
         warnings.simplefilter("ignore", rsym.RsymWarning)  # where boxes touch along an edge, or in a sheet
         try:
             shape = case.shape().replace(bounds=case.window)
-            found = by_names(rsym.measure(shape).parts)
+            said = measured(shape, truth)
+            if case.seed % 3 == 0:
+                said += moved(case, shape, truth)
         except rsym.RsymError as error:
             return "refused", [str(error)]
-        said = [
-            f"measure of {sorted(names)}: {found[names]:.12g} for {truth[names]:.12g}"
-            for names in {*truth, *found}
-            if abs(found[names] - truth[names]) > WITHIN * (1 + truth[names])
-        ]
         if isinstance(case, Bricks):
             said += drawn(case, shape) + held(case, shape) + met(case, shape)
         if case.dimension == 3 and case.seed % 4 == 0:
             said += meshed(shape, truth)
     return "asked", said
+
+
+def measured(shape, truth, size=1.0):
+    """Measures by names, of a body of that size."""
+    found = {names: value / size for names, value in by_names(rsym.measure(shape).parts).items()}
+    return [
+        f"measure of {sorted(names)}: {found.get(names, 0):.12g} for {truth[names]:.12g}, size {size:.6g}"
+        for names in {*truth, *found}
+        if abs(found.get(names, 0) - truth[names]) > WITHIN * (1 + truth[names])
+    ]
+
+
+def moved(case, shape, truth):
+    """What is enlarged, turned and mirrored has the same names."""
+    chance = random.Random(case.seed)
+    size = chance.choice((2, 3, sp.Rational(1, 2), sp.Rational(7, 10), sp.Rational(1, 6)))
+    ways = [
+        lambda one: one.scale(size),
+        lambda one: one.rotate(chance.choice((sp.pi / 4, sp.pi / 6, sp.Rational(3, 10)))),
+        lambda one: one.translate(*[chance.choice((1, sp.Rational(-3, 7))) for _ in range(case.dimension)]),
+    ]
+    chance.shuffle(ways)
+    for way in ways:
+        shape = way(shape)
+    return measured(shape.replace(bounds=None), truth, float(size) ** (case.dimension - 1))
 
 
 def held(case, shape):
