@@ -17,11 +17,12 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 import sympy as sp
 
 from rsym.logic.sign_form import SignForm, shape_form, sign_form, through
-from rsym.logic.stripping import bare, unscaled
+from rsym.logic.stripping import bare, scaled, unscaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
+from rsym.program.builder import Builder
 from rsym.program.lowering import lower_all
 
 BETWEEN = " / "  # the names of faces that coincide
@@ -100,7 +101,7 @@ class Faces:
     def shared(self) -> frozenset[int]:
         """The leaves whose faces have several names, and those that are multiples of others with another name."""
         together: defaultdict[int, set[tuple[str, ...]]] = defaultdict(set)
-        keys = [bare(self.form.builder, leaf) for leaf in self.form.leaves]
+        keys = [scaled(self.form.builder, leaf)[0] for leaf in self.form.leaves]
         for face in self.faces:
             together[keys[face.leaf]].add(face.parts[:1])
         return frozenset(leaf for leaf, key in enumerate(keys) if len(together[key]) > 1)
@@ -215,8 +216,7 @@ class _Named:
         given = [part for part in shape.parts if all(symbol.name in known for symbol in symbols_of(part[1]))]
         # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a.
         nodes = lower_all(builder, [signed for _, part in given for signed in map(with_gates, (part, -part))])
-        numbers: dict[Any, int] = {}
-        whole = _numbered(form, numbers)
+        written, alike = _Numbers(_as_written, form), _Numbers(unscaled, form)
         at: defaultdict[int, list[int]] = defaultdict(list)
         parts = []
         for number, (name, expression) in enumerate(given):
@@ -224,9 +224,10 @@ class _Named:
             forms = [sign_form(builder, node) for node in (*both, *map(builder.neg, both))]
             leaves = [bare(builder, leaf) for one in forms for leaf in one.leaves]
             parts.append(_Part(name, expression, len(forms[0].leaves), frozenset(leaves)))
-            for top in {_numbered(one, numbers)[-1] for one in forms}:
-                at[top].append(number)
-        begins = {operand: _chains(parts, at[key]) for operand, key in enumerate(whole) if key in at}
+            tops = [written.operands(forms), alike.operands(forms)]
+            for operand in tops[0] or tops[1]:
+                at[operand].append(number)
+        begins = {operand: _chains(parts, same) for operand, same in at.items()}
         keys = tuple(bare(builder, leaf) for leaf in form.leaves)
         named = cls(tuple(parts), begins, keys, frozenset())
         outside = {chain[0] for operand in _outside(form, begins) for chain in begins[operand]}
@@ -250,14 +251,30 @@ class _Named:
             yield tuple(dict.fromkeys((*inner, *around)))
 
 
-def _numbered(form: SignForm, numbers: dict[Any, int]) -> list[int]:
-    """A number for each operand: equal ones are equal but for positive factors and the order in a gate."""
-    leaves = [numbers.setdefault(unscaled(form.builder, leaf), len(numbers)) for leaf in form.leaves]
-    return through(
-        form.gates,
-        leaves,
-        lambda gate, one, other: numbers.setdefault((gate.operation, *sorted((one, other))), len(numbers)),
-    )
+def _as_written(builder: Builder, leaf: int) -> Key:
+    """A leaf without sign and factor, sums as they are written: multiples of one plane keep parts apart."""
+    key, times = scaled(builder, leaf)
+    return key, times > 0
+
+
+class _Numbers:
+    """Numbers for operands: equal ones are equal but for positive factors and the order in a gate."""
+
+    def __init__(self, key: Callable[[Builder, int], Any], form: SignForm) -> None:
+        self.key, self.known = key, dict[Any, int]()
+        self.whole = self._of(form)
+
+    def operands(self, forms: Iterable[SignForm]) -> list[int]:
+        """The operands of the form that one of these forms is."""
+        tops = {self._of(one)[-1] for one in forms}
+        return [operand for operand, number in enumerate(self.whole) if number in tops]
+
+    def _of(self, form: SignForm) -> list[int]:
+        def number(key: Any) -> int:
+            return self.known.setdefault(key, len(self.known))
+
+        leaves = [number(self.key(form.builder, leaf)) for leaf in form.leaves]
+        return through(form.gates, leaves, lambda gate, one, other: number((gate.operation, *sorted((one, other)))))
 
 
 def _chains(parts: Sequence[_Part], same: Sequence[int]) -> tuple[tuple[int, ...], ...]:

@@ -9,7 +9,7 @@ import sympy as sp
 
 from rsym.logic.faces import BETWEEN, faces_of, shape_faces
 from rsym.logic.sign_form import SignForm, shape_form, sign_form
-from rsym.logic.stripping import bare
+from rsym.logic.stripping import scaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.nodes import Fold
 from rsym.model.recent import recently, written
@@ -92,8 +92,8 @@ def _named(form: SignForm, shape: Shape) -> list[tuple[str, tuple[str, ...]]]:
     of_key: defaultdict[int, list[int]] = defaultdict(list)
     for number, face in enumerate(faces.faces):
         if face.parts:
-            of_key[bare(b, plain.leaves[face.leaf])].append(number)
-    keys = [bare(b, leaf) for leaf in form.leaves[:count]]
+            of_key[scaled(b, plain.leaves[face.leaf])[0]].append(number)
+    keys = [scaled(b, leaf)[0] for leaf in form.leaves[:count]]
     texts = _texts(form, shape) if not all(key in of_key for key in keys) else [""] * len(keys)
     named = [
         (BETWEEN.join(faces.title(of_key[key])), faces.holding(of_key[key])) if key in of_key else (text, (text,))
@@ -106,7 +106,7 @@ def _named(form: SignForm, shape: Shape) -> list[tuple[str, tuple[str, ...]]]:
 def _texts(form: SignForm, shape: Shape) -> list[str]:
     """The leaves by their formulas, long ones by their numbers."""
     texts = _formulas(form.builder, shape.expression)
-    keys = [bare(form.builder, leaf) for leaf in form.leaves[: len(form.leaves) - form.caps]]
+    keys = [scaled(form.builder, leaf)[0] for leaf in form.leaves[: len(form.leaves) - form.caps]]
     first = {key: number for number, key in reversed(list(enumerate(keys)))}
     return [texts.get(key) or f"leaf {first[key]}" for key in keys]
 
@@ -119,7 +119,7 @@ def _formulas(builder: Builder, expression: sp.Expr) -> Mapping[int, str]:
         leaves = sign_form(builder, node).leaves
         if len(leaves) == 1:
             text = sp.sstr(operand)
-            texts.setdefault(bare(builder, leaves[0]), text if len(text) <= LONGEST_FORMULA else "")
+            texts.setdefault(scaled(builder, leaves[0])[0], text if len(text) <= LONGEST_FORMULA else "")
     return texts
 
 
