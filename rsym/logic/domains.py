@@ -79,6 +79,15 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
     return made
 
 
+def keep_walls(builder: Builder, leaves: Sequence[int], stripped: Callable[[int], Sequence[int]]) -> None:
+    """Know the walls among the leaves of a form again: positive factors are stripped of them, and some have gates."""
+    places = {unscaled(builder, leaf): leaf for leaf in leaves}
+    for domain, ends in [*builder.walls.items()]:
+        limits = {places.get(unscaled(builder, leaf), leaf): limit for leaf, limit in ends.items()}
+        for wall in stripped(domain):
+            builder.walls.setdefault(places.get(unscaled(builder, wall), wall), {}).update(limits)
+
+
 def ends_of(builder: Builder, number: int) -> dict[int, list[int]]:
     """What must not be negative where a node has a value, and the roots and logarithms in it for which that is so."""
     ends: dict[int, list[int]] = {}

@@ -19,6 +19,7 @@ from typing import NamedTuple, Protocol, TypeVar
 
 from rsym.errors import RsymError
 from rsym.logic.choices import chosen_by_size
+from rsym.logic.domains import keep_walls
 from rsym.logic.steps import has_steps, is_between, parted
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size, sign_gate, unscaled
 from rsym.model.blends.gates import with_gates
@@ -308,7 +309,9 @@ def sign_form(builder: Builder, number: int) -> SignForm:
     if made == number:
         return form
     builder.rewritten = True
-    return replace(_gated(builder, made, alike=unscaled), parameters=form.parameters)
+    found = replace(_gated(builder, made, alike=unscaled), parameters=form.parameters)
+    keep_walls(builder, found.leaves, lambda domain: _gated(builder, domain).leaves)
+    return found
 
 
 def decided(builder: Builder, number: int) -> int:

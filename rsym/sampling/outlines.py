@@ -299,6 +299,7 @@ def _one_corner(leaves: PlaneLeaves, joints: Joints, cell: float) -> tuple[Float
     if len(leaves.walls):  # a line may end upright at a wall
         ends = np.isin(joints.one, leaves.walls) | np.isin(joints.other, leaves.walls)
         holds, back = _near(joints, corner, cell), np.zeros(len(ends), np.bool_)
+        holds[ends] &= leaves.meet(corner[ends], joints.one[ends], joints.other[ends], cell)
         rest = np.flatnonzero(~ends)
         holds[rest], back[rest] = _holds(leaves, joints.take(rest), corner[rest], cell)
         return corner, holds, back

@@ -129,6 +129,8 @@ class PlaneLeaves:
 
     def meet(self, points: Floats, one: Ints, other: Ints, cell: float) -> Flags:
         """Whether both leaves are zero at each point: Newton's method ends somewhere where they are nowhere."""
+        if self.limits:
+            one, other = self._at_walls(one, other), self._at_walls(other, one)
         with np.errstate(all="ignore"):
             cells = [np.abs(f) / np.linalg.norm(slope, axis=1) / cell for f, slope in self.of(points, one, other)]
         return np.asarray(np.maximum(*cells) <= ON_LEVEL)

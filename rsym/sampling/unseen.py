@@ -263,7 +263,7 @@ def _tips(leaves: PlaneLeaves, lattice: Lattice, first: Ints) -> Flags:
     middle = lattice.points(first[own] + 0.5)
     corner = leaves.common(middle, one[own], other[own])
     cell = min(lattice.spacing)
-    holds = leaves.meet(corner, one[own], other[own], cell) | np.isin([one[own], other[own]], leaves.walls).any(axis=0)
+    holds = leaves.meet(corner, one[own], other[own], cell)
     with np.errstate(all="ignore"):
         tips[own] = (np.hypot(*(corner - middle).T) <= REACH * cell) & holds
     return tips

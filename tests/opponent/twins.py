@@ -162,7 +162,10 @@ def measured(twins, seed):
 
 
 def _off_it(twins, points):
-    """Which points are not on the boundary of the twin: no leaf of it is zero there, or it has one sign around."""
+    """Which points are not on the boundary of the twin: no leaf of it is zero there, or it has one sign around.
+
+    Beside two leaves signs around say nothing: a wedge between them may be thinner.
+    """
     form = shape_form(twins.plain)
     program = form.builder.program({f"{k}": leaf for k, leaf in enumerate(form.leaves)})
     names = [symbol.name for symbol in twins.plain.coordinates]
@@ -174,11 +177,11 @@ def _off_it(twins, points):
 
     steps = [at(points + NEAR * row[:, None]) for row in np.eye(len(names))]
     slope = np.linalg.norm([(step - at(points)) / NEAR for step in steps], axis=0)
-    on = np.abs(at(points)).min(axis=0, where=np.abs(at(points)) <= OFF * slope, initial=np.inf) < np.inf
+    near = np.array([np.count_nonzero(np.abs(at(points)) <= far * slope, axis=0) for far in (OFF, ACROSS)])
     directions = np.random.default_rng(5).normal(size=(AROUND, len(names)))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     around = twins.plain.contains(*(points[:, None] + ACROSS * directions.T[:, :, None]))
-    return ~on | (around.all(axis=0) | ~around.any(axis=0))
+    return (near[0] == 0) | ((near[1] < 2) & (around.all(axis=0) | ~around.any(axis=0)))
 
 
 def sampled(twins, seed):

@@ -20,6 +20,8 @@ from rsym import x, y, z
 
 __all__ = ["asked", "case"]
 
+WHOLE = ("shielded", "gated", "arc")
+
 
 def plain_leaf(chance, coordinates):
     """A leaf with a value everywhere, of the size of 1."""
@@ -43,8 +45,15 @@ def _partial(chance, u):
     """A leaf p(u) - c, and where it is true, false, of u, as plain leaves, and what of these are walls."""
     c = chance.eighths(1, 7)
     k = chance.choice((1, 2, sp.Rational(1, 2)))
-    kind = chance.choice(("sqrt", "log", "asin", "acos", "root", "power", "letterless", "piece", "difference"))
+    kind = chance.choice(("sqrt", "log", "asin", "acos", "root", "power", "letterless", "piece", "difference", *WHOLE))
     upper = None
+    if kind in WHOLE:  # true wherever it has a value
+        leaf, *ends = {
+            "shielded": (sp.sqrt(u * (1 + u**2)) + c, u),
+            "gated": (sp.sqrt(sp.Min(u, 2 - u)) + c, u, 2 - u),
+            "arc": (sp.acos(u**2) + c, 1 - u, 1 + u),
+        }[kind]
+        return leaf, [(end, True) for end in ends], [(-1 - u**2, False)]
     if kind == "asin":
         leaf, level, upper = sp.asin(u / 2) - c, 2 * sp.sin(c), 2
         lower = -2

@@ -59,6 +59,45 @@ def test_the_measure_of_what_ends_with_its_domain():
     assert_close(found.length, 3 * np.pi + 6, rtol=1e-8)  # with the cap below, without the ends of the domain
 
 
+DISC = 1 - x**2 - y**2
+WHOLE = {
+    "root": (sp.sqrt(DISC) + 1, math.pi),
+    "factor": (sp.sqrt(DISC * (2 + x**2)) + 1, math.pi),
+    "arc": (sp.acos(x**2 + y**2) + 1, math.pi),
+    "other arc": (sp.asin(x**2 + y**2) + 2, math.pi),
+    "quotient": (sp.sqrt(DISC / (2 + y**2)) + 1, math.pi),
+    "gate": (sp.sqrt(sp.Min(1 - x**2, 1 - y**2)) + 1, 4.0),
+    "conjunction": (sp.sqrt(rsym.conjunction(DISC, x + 2)) + 1, math.pi),
+}
+
+
+@pytest.mark.parametrize("name", WHOLE)
+def test_where_a_domain_ends_is_no_boundary_however_it_is_written(name):
+    """Factors above 0 are stripped of leaves, and minima are gates: what is left of the domain is still its end."""
+    expression, area = WHOLE[name]
+    shape = Shape(expression, (x, y), bounds=((-3, 3),) * 2)
+    with pytest.warns(rsym.RsymWarning, match="not counted as boundary"):
+        found = rsym.measure(shape)
+    assert_close(found.area, area, rtol=1e-9)
+    assert (found.length, len(rsym.level_lines(shape, resolution=32))) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("radius", "gap", "cells"), [(0.4, 0.012, 64), (0.39, 0.00036, 50), (0.23, 0.006, 33), (0.5, -0.0012, 33)]
+)
+def test_a_hole_beside_the_end_of_a_domain_is_a_circle(radius, gap, cells):
+    radius, gap = map(sp.nsimplify, (radius, gap))
+    place = (1 - radius - gap) * sp.Matrix([3, 4]) / 5
+    shape = Shape(sp.sqrt(DISC) + 1, (x, y)) - rsym.disc(radius, tuple(place))
+    (line,) = rsym.level_lines(shape, resolution=cells, bounds=((-3, 3),) * 2)
+    away = line - np.array(place, float).ravel()
+    np.testing.assert_allclose(np.hypot(*away.T), float(radius), rtol=1e-9)
+    turn = abs(np.diff(np.unwrap(np.arctan2(*away.T))).sum())
+    far, r = float(1 - radius - gap), float(radius)
+    missing = 0 if gap > 0 else 2 * math.acos((1 - far**2 - r**2) / (2 * far * r))
+    assert turn == pytest.approx(2 * math.pi - missing, rel=1e-9)
+
+
 @pytest.mark.parametrize("name", PARTIAL)
 def test_the_mesh_of_a_ball_beside_a_part_without_a_value(name):
     beside = rsym.sphere(1) | Shape(PARTIAL[name] - z, (x, y, z))
