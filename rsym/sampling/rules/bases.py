@@ -17,7 +17,7 @@ from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, gauss_on, n
 from rsym.sampling.rules.curves import EndCurves, Gaps, along, coincide, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
-from rsym.sampling.rules.lines import Lines
+from rsym.sampling.rules.lines import Lines, beyond
 from rsym.sampling.rules.segments import Segments
 from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST, SAME
 
@@ -105,7 +105,7 @@ class PlaneBases:
     def _sides(self) -> tuple[Any, Any]:
         """For each place where leaves stand, the signs (n, leaves) to the left and to the right, of upright ones too.
 
-        Beyond an end of the piece a leaf that is zero there has the other sign.
+        Beyond an end of the piece a leaf that is zero there has the other sign as a rule, as `beyond` sees it.
         """
         pieces, functions, segments = self.columns.pieces, self.columns.functions, self.segments
         tolerance = SAME * functions.tolerance
@@ -117,13 +117,17 @@ class PlaneBases:
         axis, height, leaf = pieces.axis[own], self.columns.height[0, own], pieces.leaf[pair]
         middle = segments.lower / 2 + segments.upper / 2
 
-        def at(base: Floats) -> Floats:
-            return functions.evaluate(leaf, placed(axis, base[line], height))[0]
+        def at(which: Ints, base: Floats) -> Floats:
+            return functions.evaluate(leaf[which], placed(axis[which], base, height[which]))[0]
 
-        zero = np.abs(at(segments.stand_place)) <= tolerance
-        one, other = (np.where(at(middle[number]) > 0, 1, -1) for number in (before, after))
-        left[line, leaf] = np.where(before[line] >= 0, one, np.where(zero, -other, other))
-        right[line, leaf] = np.where(after[line] >= 0, other, np.where(zero, -one, one))
+        every, place = np.arange(len(leaf)), segments.stand_place[line]
+        zero = np.abs(at(every, place)) <= tolerance
+        one, other = (np.where(at(every, middle[number[line]]) > 0, 1, -1) for number in (before, after))
+        first, last = before[line] < 0, after[line] < 0
+        wide = (segments.upper - segments.lower)[np.maximum(before, after)[line]]
+        past = beyond(at, place, np.where(first, -wide, wide), zero & (first | last), functions.tolerance)
+        left[line, leaf] = np.where(first, np.where(zero, np.where(past == 0, -other, past), other), one)
+        right[line, leaf] = np.where(last, np.where(zero, np.where(past == 0, -one, past), one), other)
         return left, right
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.curves import Risers, across, along, coincide, heights_between, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces, span, starts
-from rsym.sampling.rules.lines import Lines, Panels
+from rsym.sampling.rules.lines import Lines, Panels, beyond
 from rsym.sampling.rules.walks import SAME
 
 
@@ -151,7 +151,12 @@ class Columns:
         root = heights_between(curves, lower, upper, below, above)
         begin = starts(np.diff(pieces.start)[piece])
         ends, upright = self.height[:, piece], self.upright[pair]
-        return Lines(self.functions, piece, base, ends, begin, leaf, upright, below, above, root)
+        tall, tolerance = upper - lower, self.functions.tolerance
+        past = [
+            beyond(curves.distances, at, way, (np.abs(value) <= tolerance) & ~upright, tolerance)
+            for at, way, value in ((lower, -tall, below), (upper, tall, above))
+        ]
+        return Lines(self.functions, piece, base, ends, begin, leaf, upright, below, above, root, np.stack(past))
 
     def touching(self, lines: Lines, weight: Floats) -> float:
         """The weight of lines that meet two surfaces closer together than it is known where it meets each."""

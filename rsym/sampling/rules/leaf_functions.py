@@ -125,11 +125,23 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
     plain.require_traced()
     walls = tuple(plain.walls)
     form, owner = _smooth(plain)
+    if walls:
+        form, owner = _behind(form, owner, np.isin(owner, walls))
     if capped:
         # Those across a plane are never met, and have no names.
         sides = len(plain.leaves) + np.minimum(np.arange(6), 2 * shape.dimension - 1)
         return RuleForm(form.capped(), leaf_names(plain.capped(), shape), np.concatenate([owner, sides]), walls)
     return RuleForm(form, leaf_names(plain, shape), owner, walls)
+
+
+def _behind(form: SignForm, owner: Ints, walls: Flags) -> tuple[SignForm, Ints]:
+    """The same with the walls behind the other leaves: the first of leaves that have one surface bounds."""
+    order = np.argsort(walls, kind="stable")
+    place = [*np.argsort(order).tolist(), *range(len(order), len(order) + len(form.gates))]
+    gates = tuple(Gate(op, *(place[one] for one in operands)) for op, *operands in form.gates)
+    leaves = tuple(form.leaves[k] for k in order.tolist())
+    folds = tuple(place[one] for one in form.folds)
+    return replace(form, leaves=leaves, gates=gates, folds=folds), owner[order]
 
 
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +10,9 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.division import BoundedFunctions, span, starts
-from rsym.sampling.rules.walks import walk_inside, walk_parts, walk_upright
+from rsym.sampling.rules.walks import SAME, walk_inside, walk_parts, walk_upright
+
+PAST = tuple(2.0**-level for level in (17, 12, 7, 3))  # of the side of a piece
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,8 @@ class Lines:
         Which of them do not change along the height.
     below, above, root : (m,)
         The values at the lower and the upper end, and where they are zero between.
+    past : (2, m)
+        The signs beyond the ends of leaves that are zero there, as `beyond` has them.
     """
 
     functions: BoundedFunctions
@@ -49,6 +54,7 @@ class Lines:
     below: Floats
     above: Floats
     root: Floats
+    past: Any
 
     def walked(self, weight: Floats, signs: Any) -> tuple[Panels, Panels]:
         """What is inside, and where the boundary crosses."""
@@ -62,7 +68,7 @@ class Lines:
             arguments: Any = (*about, functions.walls[self.leaf], *room)
             walk_parts(*arguments)
         else:
-            arguments = (functions.gates, *about, signs, *room)
+            arguments = (functions.gates, *about, self.past, signs, *room)
             walk_inside(*arguments)
         return _panels(panels, sizes[0]), _panels(edges, sizes[1])
 
@@ -70,7 +76,7 @@ class Lines:
         """Some of the lines."""
         counts = np.diff(self.begin)[which]
         pairs = span(self.begin[:-1][which], counts)
-        parts: Any = [a[pairs] for a in (self.leaf, self.upright, self.below, self.above, self.root)]
+        parts: Any = [a[..., pairs] for a in (self.leaf, self.upright, self.below, self.above, self.root, self.past)]
         ends = self.ends[:, which]
         return Lines(self.functions, self.piece[which], self.base[..., which], ends, starts(counts), *parts)
 
@@ -89,6 +95,22 @@ class Lines:
 
     def _order(self) -> Ints:
         return np.empty(int(np.diff(self.begin).max(initial=0)), np.int64)
+
+
+def beyond(value: Callable[[Ints, Floats], Floats], at: Floats, way: Floats, zero: Flags, tolerance: float) -> Any:
+    """The signs (n,) of functions beyond places where some are zero: as a rule the other one, 0 where it is not seen.
+
+    A function may touch zero there and have one sign on both sides. It is looked at from near to far.
+    """
+    signs, some = np.zeros(len(at), np.int8), np.flatnonzero(zero)
+    for share in PAST:
+        if not len(some):
+            break
+        found = value(some, at[some] + share * way[some])
+        seen = np.abs(found) > SAME * tolerance
+        signs[some[seen]] = np.sign(found[seen])
+        some = some[~seen]
+    return signs
 
 
 def _panels(room: tuple[Floats, Ints], count: int) -> Panels:

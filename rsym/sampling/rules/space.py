@@ -29,11 +29,13 @@ from rsym.sampling.rules.division import (
     starts,
     together_at_once,
 )
+from rsym.sampling.rules.lines import beyond
 from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
 
 LIMITS = Limits(4, 40, 3.0, 64)
 FACE, GAP = 0, 1
 STEPS, INTO = 3, 5  # of Newton to a height, and of secants into a valley
+ASIDE = 2.0**-17 * np.array([0.755, 0.570, 0.431])  # of the height of a piece, along no symmetry
 SMALL = 0.3  # of the base of a piece: a quarter
 
 
@@ -95,29 +97,50 @@ class SpaceBases:
         walls = columns.lines(flat.edge_owner, flat.edge_points)
         kind = np.where(flat.edge_leaf < 0, LAST, BETWEEN)
         leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
-        left, right = _sides(columns, flat, leaf)
+        left, right = _sides(columns, flat, leaf, kind == LAST)
         along_walls = walls.walked_upright(kind, left, right, flat.edge_weights)
         rule, unresolved = columns.rule(lines, flat.weights, walls, along_walls, orders)
         return rule, unresolved + LeftOpen(shared=BOTH * columns.touching(lines, flat.weights))
 
 
-def _sides(columns: Columns, flat: CellRule, leaf: Ints) -> tuple[Any, Any]:
-    """The signs (n, leaves) of upright leaves on both sides of the curves of leaves, first on the positive one."""
+def _sides(columns: Columns, flat: CellRule, leaf: Ints, last: Flags) -> tuple[Any, Any]:
+    """The signs (n, leaves) of upright leaves on both sides of the curves of leaves, first on the positive one.
+
+    At the `last` place of a piece the other side is beyond its end. Leaves that touch zero are looked at beside it.
+    """
     functions, pieces = columns.functions, columns.pieces
     piece = flat.edge_owner
     line, pair = columns.pairs(piece)
     line, pair = line[columns.upright[pair]], pair[columns.upright[pair]]
     own, other = piece[line], pieces.leaf[pair]
     points = placed(pieces.axis[own], flat.edge_points[:, line], columns.height[0, own])
+    size = np.ptp(columns.height[:, own], axis=0)
     value, gradient = functions.evaluate(other, points)
-    _, normal = functions.evaluate(leaf[line], points)
+    normal = _beside(functions, leaf[line], points, size, functions.evaluate(leaf[line], points)[1])
+    gradient = _beside(functions, other, points, size, gradient)
     same = np.where((gradient * normal).sum(axis=0) >= 0, 1, -1)
     zero = (np.abs(value) <= SAME * functions.tolerance) | (other == leaf[line])
+    step = (normal / np.linalg.norm(normal, axis=0) * size).T
+
+    def at(which: Ints, places: Floats) -> Floats:
+        return functions.evaluate(other[which], places.T)[0]
+
     sign = np.where(value > 0, 1, -1)
-    left, right = pieces.signs[piece], pieces.signs[piece]
-    left[line, other] = np.where(zero, same, sign)
-    right[line, other] = np.where(zero, -same, sign)
-    return left, right
+    signs = []
+    for way, asked in ((1, zero & ~last[line]), (-1, zero)):
+        found = beyond(at, points.T, way * step, asked, functions.tolerance)
+        side = pieces.signs[piece]
+        side[line, other] = np.where(zero, np.where(found == 0, way * same, found), sign)
+        signs.append(side)
+    return signs[0], signs[1]
+
+
+def _beside(functions: BoundedFunctions, leaf: Ints, points: Floats, size: Floats, gradient: Floats) -> Floats:
+    """Gradients (3, n) of leaves at points, those a little aside where there are none: on a crease."""
+    some = np.flatnonzero(~np.isfinite(gradient).all(axis=0))
+    if len(some):
+        _, gradient[:, some] = functions.evaluate(leaf[some], points[:, some] + ASIDE[:, None] * size[some])
+    return gradient
 
 
 @dataclass(frozen=True)

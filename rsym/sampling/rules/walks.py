@@ -1,9 +1,8 @@
 """Lines along the height of cut pieces: where they are inside, and where the form changes its sign, on which leaf.
 
 A value within the tolerance at an end of a line is a zero there: the boundary may run along the end. It is counted in
-the piece whose inside it bounds, and only if the signs that leaves have beyond, where those zero at the end have the
-other sign, make the outside. Crossings closer to each other than some tolerances are one; of leaves that have one
-surface it is the first that bounds.
+the piece whose inside it bounds, and only if the signs that leaves have beyond make the outside. Crossings closer to
+each other than some tolerances are one; of leaves that have one surface it is the first that bounds.
 """
 
 from __future__ import annotations
@@ -66,16 +65,19 @@ def start_signs(
 
 @step
 def bounding(
-    gates: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any, signs: Any, known: Any,
-    beyond: Any,
+    gates: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any, past: Any, signs: Any,
+    known: Any, beyond: Any,
 ) -> int:  # fmt: skip
-    """The leaf along which the boundary runs at an end of a line that is inside there; -1 if none."""
+    """The leaf along which the boundary runs at an end of a line that is inside there; -1 if none.
+
+    `past` are signs beyond the end; 0 the other one.
+    """
     found = -1
     for k in range(len(signs)):
         beyond[k] = signs[k]
     for k in range(first, last):
         if not upright[k] and abs(value[k]) <= tolerance:
-            beyond[leaf[k]] = -signs[leaf[k]]
+            beyond[leaf[k]] = past[k] if past[k] != 0 else -signs[leaf[k]]
             if signs[leaf[k]] > 0 and found < 0:
                 found = leaf[k]
     if found >= 0 and form_sign(gates, beyond, known) > 0:
@@ -105,7 +107,8 @@ def cross(start: int, count: int, tolerance: float, leaf: Any, root: Any, order:
 @loop
 def walk_inside(
     gates: Any, tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any, above: Any,
-    root: Any, signs: Any, panels: Any, panel_numbers: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+    root: Any, past: Any, signs: Any, panels: Any, panel_numbers: Any, edges: Any, edge_numbers: Any, sizes: Any,
+    order: Any,
 ) -> None:  # fmt: skip
     """The intervals inside and the crossings of the boundary on each line between `ends`.
 
@@ -120,7 +123,7 @@ def walk_inside(
         at, top, share = ends[0, line], ends[1, line], weight[line]
         inside = form_sign(gates, own, known) > 0
         if inside:
-            found = bounding(gates, first, last, tolerance, leaf, upright, below, own, known, beyond)
+            found = bounding(gates, first, last, tolerance, leaf, upright, below, past[0], own, known, beyond)
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, at, at, share, line, found)
         number = 0
@@ -141,7 +144,7 @@ def walk_inside(
             inside, number = now, following
         if inside:
             inner = note(panels, panel_numbers, inner, at, top, share, line, -1)
-            found = bounding(gates, first, last, tolerance, leaf, upright, above, own, known, beyond)
+            found = bounding(gates, first, last, tolerance, leaf, upright, above, past[1], own, known, beyond)
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, top, top, share, line, found)
     sizes[0], sizes[1] = inner, outer
