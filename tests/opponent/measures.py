@@ -1,7 +1,8 @@
 """An opponent of `measure`: bodies whose area, length, volume and surface are known in closed form.
 
 Balls, what two of them have in common or fill together, caps, shells, boxes, cylinders, cones and tori are typed in
-ways that hide what they are, scaled, turned and moved. Errors that are stated hold, are no infinite ones, and nothing
+ways that hide what they are, scaled, turned and moved, some with a sheet through them where a formula that is never
+below 0 is 0: that takes nothing away. Errors that are stated hold, are no infinite ones, and nothing
 but warnings of rsym's own is heard.
 
     python tests/opponent/hunt.py measures --count 200 --start 1
@@ -183,6 +184,24 @@ def hidden(chance, u, place):
     )()
 
 
+def sheet(chance, places):
+    """What is 0 on a line or a plane, and positive elsewhere."""
+    first, *others = chance.sample(places, len(places))
+    g = first - chance.choice((0, sp.Rational(1, 4), sp.Rational(-1, 2), number(chance, -0.5, 0.5)))
+    g += chance.choice((0, 0, others[0] / 2))
+    return chance.choice(
+        [
+            lambda: sp.Abs(g),
+            lambda: g**2,
+            lambda: sp.expand(g**2),
+            lambda: 1 - sp.cos(g),
+            lambda: sp.cosh(g) - 1,
+            lambda: rsym.disjunction(g, -g),
+            lambda: sp.Max(g, -g),
+        ]
+    )()
+
+
 def case(seed):
     """What a seed makes."""
     chance = random.Random(seed)
@@ -196,6 +215,8 @@ def case(seed):
         moved[i], moved[j] = (3 * moved[i] + 4 * moved[j]) / 5, (3 * moved[j] - 4 * moved[i]) / 5
     kind, leaves, (content, boundary), reach = BODIES[name](chance, moved)
     formula = hidden(chance, gathered(chance, kind, leaves), moved[0])
+    if chance.random() < 0.2:
+        formula = chance.choice((sp.Min, rsym.conjunction))(formula, sheet(chance, moved))
     wide = scale * reach * number(chance, 1.5, 2.5)
     bounds = [(place - wide, place + wide) for place in shift] if chance.random() < 0.7 else None
     size = float(scale)

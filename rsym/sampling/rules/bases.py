@@ -17,7 +17,7 @@ from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, gauss_on, n
 from rsym.sampling.rules.curves import EndCurves, Gaps, along, coincide, gap_bounds, meetings, placed
 from rsym.sampling.rules.division import BoundedFunctions, CutPieces
 from rsym.sampling.rules.isolation import isolate, roots
-from rsym.sampling.rules.lines import Lines, beyond
+from rsym.sampling.rules.lines import Lines, beyond, signs_at
 from rsym.sampling.rules.segments import Segments
 from rsym.sampling.rules.walks import BETWEEN, FIRST, LAST, SAME
 
@@ -61,7 +61,7 @@ class PlaneBases:
         which, x, w = gauss_on(orders[segments.piece])
         width = segments.upper - segments.lower
         lines = self.columns.lines(segments.piece[which], segments.lower[which] + x * width[which])
-        walls = self.columns.lines(segments.stand_piece, segments.stand_place)
+        walls = self.columns.lines(segments.stand_piece, segments.stand_place, standing=True)
         kind = np.where(segments.before < 0, FIRST, np.where(segments.after < 0, LAST, BETWEEN))
         weight = np.ones(len(kind))
         if self.columns.functions.gates is None:
@@ -122,9 +122,12 @@ class PlaneBases:
 
         every, place = np.arange(len(leaf)), segments.stand_place[line]
         zero = np.abs(at(every, place)) <= tolerance
-        one, other = (np.where(at(every, middle[number[line]]) > 0, 1, -1) for number in (before, after))
+        width = segments.upper - segments.lower
+        one, other = (
+            signs_at(at, middle[number[line]], width[number[line]], functions.tolerance) for number in (before, after)
+        )
         first, last = before[line] < 0, after[line] < 0
-        wide = (segments.upper - segments.lower)[np.maximum(before, after)[line]]
+        wide = width[np.maximum(before, after)[line]]
         past = beyond(at, place, np.where(first, -wide, wide), zero & (first | last), functions.tolerance)
         left[line, leaf] = np.where(first, np.where(zero, np.where(past == 0, -other, past), other), one)
         right[line, leaf] = np.where(last, np.where(zero, np.where(past == 0, -one, past), one), other)

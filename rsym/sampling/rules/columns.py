@@ -6,7 +6,7 @@ On each line the form's sign is that of its gates, from the signs of leaves belo
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -138,8 +138,8 @@ class Columns:
         slopes = along(pieces.gradient, pieces.axis[pieces.piece])
         return cls(functions, pieces, along(ends, pieces.axis), (slopes == 0).all(axis=0))
 
-    def lines(self, piece: Ints, base: Floats) -> Lines:
-        """The lines of pieces above places (..., n) of their bases."""
+    def lines(self, piece: Ints, base: Floats, standing: bool = False) -> Lines:
+        """The lines of pieces above places (..., n) of their bases; `standing` ones are on upright leaves."""
         pieces = self.pieces
         line, pair = self.pairs(piece)
         leaf, own = pieces.leaf[pair], piece[line]
@@ -156,6 +156,19 @@ class Columns:
             beyond(curves.distances, at, way, (np.abs(value) <= tolerance) & ~upright, tolerance)
             for at, way, value in ((lower, -tall, below), (upper, tall, above))
         ]
+        zero = np.flatnonzero(upright & (np.abs(below) <= tolerance) & (not standing))
+        for axis in range(len(np.atleast_2d(base))):  # beside the line, where nothing is seen along it
+            some = zero[(past[0][zero] * past[1][zero]) == 0]
+            here = np.atleast_2d(curves.base)[:, some]
+
+            def beside(which: Ints, at: Floats, axis: int = axis, some: Ints = some, here: Floats = here) -> Floats:
+                places = here[:, which].copy()
+                places[axis] = at
+                moved = replace(curves, leaf=leaf[some[which]], axis=curves.axis[some[which]], base=places)
+                return moved.distances(np.arange(len(which)), lower[some[which]])
+
+            for sides, way in zip(past, (1, -1), strict=True):
+                sides[some] = beyond(beside, here[axis], way * tall[some], np.ones(len(some), np.bool_), tolerance)
         return Lines(self.functions, piece, base, ends, begin, leaf, upright, below, above, root, np.stack(past))
 
     def touching(self, lines: Lines, weight: Floats) -> float:

@@ -12,7 +12,8 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.division import BoundedFunctions, span, starts
 from rsym.sampling.rules.walks import SAME, walk_inside, walk_parts, walk_upright
 
-PAST = tuple(2.0**-level for level in (17, 12, 7, 3))  # of the side of a piece
+# Of the side of a piece; more than one of those so small that a double zero is nothing but rounding all over it.
+PAST, FAR = tuple(2.0**level for level in (-17, -12, -7, -3, 2, 7, 12)), 2.0**10
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ class Lines:
         most = len(self.leaf) + len(self.piece)
         edges: Any = np.empty((3, most)), np.empty((2, most), np.int64)
         sizes = np.zeros(1, np.int64)
-        sides: Any = (left, right, *edges, sizes, self._order())
+        sides: Any = (self.past, left, right, *edges, sizes, self._order())
         functions = self.functions
         walk_upright(functions.gates, functions.tolerance, self.ends, kind, weight, *self._leaves(), *sides)
         return _panels(edges, sizes[0])
@@ -103,7 +104,10 @@ def beyond(value: Callable[[Ints, Floats], Floats], at: Floats, way: Floats, zer
     A function may touch zero there and have one sign on both sides. It is looked at from near to far.
     """
     signs, some = np.zeros(len(at), np.int8), np.flatnonzero(zero)
+    reach = np.abs(way) if way.ndim == 1 else np.abs(way).max(axis=1)
     for share in PAST:
+        if share > 1:
+            some = some[share * reach[some] <= FAR * np.sqrt(tolerance)]
         if not len(some):
             break
         found = value(some, at[some] + share * way[some])
@@ -111,6 +115,14 @@ def beyond(value: Callable[[Ints, Floats], Floats], at: Floats, way: Floats, zer
         signs[some[seen]] = np.sign(found[seen])
         some = some[~seen]
     return signs
+
+
+def signs_at(value: Callable[[Ints, Floats], Floats], at: Floats, way: Floats, tolerance: float) -> Any:
+    """The signs (n,) of functions at places; where one is zero to rounding that which it has on both sides, else -1."""
+    found = value(np.arange(len(at)), at)
+    zero = np.abs(found) <= tolerance
+    one, other = (beyond(value, at, end * way, zero, tolerance) for end in (1, -1))
+    return np.where(zero & (one * other > 0), one, np.where(found > 0, 1, -1))
 
 
 def _panels(room: tuple[Floats, Ints], count: int) -> Panels:

@@ -94,7 +94,7 @@ class SpaceBases:
         flat = rules_together(rules)
         require_time(base.until)
         lines = columns.lines(flat.owner, flat.points)
-        walls = columns.lines(flat.edge_owner, flat.edge_points)
+        walls = columns.lines(flat.edge_owner, flat.edge_points, standing=True)
         kind = np.where(flat.edge_leaf < 0, LAST, BETWEEN)
         leaf = base.leaf[0, np.where(flat.edge_leaf < 0, ~flat.edge_leaf, flat.edge_leaf)]
         left, right = _sides(columns, flat, leaf, kind == LAST)

@@ -50,13 +50,20 @@ def sort_crossings(first: int, last: int, tolerance: float, below: Any, above: A
 
 @step
 def start_signs(
-    first: int, last: int, tolerance: float, leaf: Any, upright: Any, below: Any, above: Any, line: bool, signs: Any
-) -> None:
-    """The signs of leaves just above the lower end; those of upright leaves only if asked."""
+    first: int, last: int, tolerance: float, leaf: Any, upright: Any, below: Any, above: Any, past: Any, line: bool,
+    signs: Any,
+) -> None:  # fmt: skip
+    """The signs of leaves just above the lower end; those of upright leaves only if asked.
+
+    A leaf that is zero at both ends has the sign that it has beyond them, or beside the line, if that is one.
+    """
     for k in range(first, last):
-        if upright[k]:
-            if line:
-                signs[leaf[k]] = 1 if below[k] > 0 else -1
+        if upright[k] and not line:
+            continue
+        if abs(below[k]) <= tolerance and abs(above[k]) <= tolerance and past[0, k] * past[1, k] > 0:
+            signs[leaf[k]] = past[0, k]
+        elif upright[k]:
+            signs[leaf[k]] = 1 if below[k] > 0 else -1
         elif abs(below[k]) <= tolerance:
             signs[leaf[k]] = 1 if above[k] > 0 else -1
         else:
@@ -119,7 +126,7 @@ def walk_inside(
     for line in range(len(weight)):
         first, last, own = begin[line], begin[line + 1], signs[line]
         count = sort_crossings(first, last, tolerance, below, above, root, order)
-        start_signs(first, last, tolerance, leaf, upright, below, above, True, own)
+        start_signs(first, last, tolerance, leaf, upright, below, above, past, True, own)
         at, top, share = ends[0, line], ends[1, line], weight[line]
         inside = form_sign(gates, own, known) > 0
         if inside:
@@ -192,7 +199,7 @@ def walk_parts(
 @loop
 def walk_upright(
     gates: Any, tolerance: float, ends: Any, kind: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any,
-    above: Any, root: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+    above: Any, root: Any, past: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
 ) -> None:  # fmt: skip
     """The intervals of lines on upright leaves where the inside is on one side only.
 
@@ -203,8 +210,8 @@ def walk_upright(
     for line in range(len(kind)):
         first, last = begin[line], begin[line + 1]
         count = sort_crossings(first, last, tolerance, below, above, root, order)
-        start_signs(first, last, tolerance, leaf, upright, below, above, False, left[line])
-        start_signs(first, last, tolerance, leaf, upright, below, above, False, right[line])
+        start_signs(first, last, tolerance, leaf, upright, below, above, past, False, left[line])
+        start_signs(first, last, tolerance, leaf, upright, below, above, past, False, right[line])
         at, number = ends[0, line], 0
         while number <= count:
             end = root[order[number]] if number < count else ends[1, line]
