@@ -1,5 +1,6 @@
 """What is asked of bodies first: is a point inside, how large is it, where is its middle."""
 
+import math
 import pickle
 
 import numpy as np
@@ -8,7 +9,7 @@ import sympy as sp
 from oracles.closeness import assert_close
 
 import rsym
-from rsym import x, y
+from rsym import x, y, z
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.status import Findings, OffSurface
 
@@ -239,3 +240,56 @@ def test_open_edges_stay_on_the_sides_of_the_bounds():
         mesh = rsym.mesh(ball, 16, bounds=((-2, 2), (-2, 2), (-2, 0.5)), cap=False)
     assert {side for loop in mesh.scale([2, -3, 4]).status.loops for side in loop.sides} == {"the upper end of z"}
     assert mesh.transform(TURN).status.boundary_edges == mesh.status.boundary_edges
+
+
+ROUND = 1 - x**2 - y**2
+SHEETS = {
+    "size": sp.Abs(x),
+    "on a side": sp.Abs(x - sp.Rational(1, 4)),
+    "within": sp.Abs(x - sp.Rational(3, 10)),
+    "square": x**2,
+    "fourth power": y**4,
+    "multiplied out": sp.expand((x - sp.Rational(1, 7)) ** 2),
+    "cosine": 1 - sp.cos(x),
+    "hyperbolic": sp.cosh(y) - 1,
+    "exponential": sp.exp(x) - 1 - x,
+}
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_a_sheet_of_zeros_inside_is_no_boundary(name):
+    """Where a formula touches zero it has one sign on both sides, wherever the sides of cells are."""
+    for bounds in (((-2, 2), (-2, 2)), ((-1.5, 1.6), (-1.5, 1.5))):
+        found = rsym.measure(rsym.Shape(sp.Min(SHEETS[name], ROUND), (x, y), bounds=bounds))
+        assert_close([found.area, found.length], [math.pi, 2 * math.pi], rtol=1e-12)
+        assert found.length.error < 1e-11
+
+
+@pytest.mark.filterwarnings("ignore:an integral is known")
+def test_a_square_that_is_all_rounding_where_it_is_zero_is_told():
+    """Multiplied out far from 0 it has both signs there, and its line may count."""
+    u = (y + 240) / 1000
+    shape = rsym.Shape(rsym.conjunction(650**2 - (x + 430) ** 2 - (y + 490) ** 2, sp.expand(u**2)), (x, y))
+    found = rsym.measure(shape, bounds=((-1905.5, 1045.5), (-1965.5, 985.5)))
+    assert abs(found.length - 1300 * math.pi) <= found.length.error
+    assert abs(found.area - 650**2 * math.pi) <= found.area.error
+
+
+def test_tiles_that_meet_have_one_outline():
+    for count in (2, 3, 4, 6):
+        assert rsym.measure(rsym.row(rsym.rectangle(1, 1), 1, count=count)).length == pytest.approx(2 * count + 2)
+    tiled = rsym.measure(rsym.grid(rsym.rectangle(1, 1).named("tile"), (1, 1), counts=(3, 3)))
+    assert tiled.parts["tile"] == pytest.approx(12)
+
+
+def test_boxes_that_meet_have_one_surface():
+    shape = rsym.grid(rsym.box(1, 1, 1), (1, 1), counts=(3, 3))
+    assert rsym.measure(shape).surface == pytest.approx(30, rel=1e-11)
+    for cells in (16, 24):  # of which some have the sheets on their sides
+        assert rsym.quadrature(shape, cells=cells, order=3).boundary.weights.sum() == pytest.approx(30, rel=1e-11)
+
+
+@pytest.mark.parametrize("sheet", [sp.Abs(x), z**2, 1 - sp.cos(y)], ids=str)
+def test_a_sheet_of_zeros_in_a_ball_is_no_boundary(sheet):
+    ball = rsym.sphere(1) & rsym.Shape(sheet, (x, y, z))
+    assert_close([rsym.measure(ball).volume, rsym.measure(ball).surface], [4 / 3 * math.pi, 4 * math.pi], rtol=1e-9)

@@ -224,8 +224,16 @@ class Columns:
         share = edges.weight * longer
         unsure = ~proved | ~(share <= most)
         share = np.fmin(share, most)
+        # Where hardly anything slopes a double zero and its rounding look like two crossings.
+        faint, tall = self.functions.faint, self.height[1, own] - self.height[0, own]
+        doubtful = (gradient**2).sum(axis=0) <= faint**2
+        with np.errstate(all="ignore"):
+            off = np.fmin(self.functions.tolerance / np.abs(along(gradient, self.pieces.axis[own])), tall)
+        _, wall_gradient = self.functions.evaluate(np.where(wall_leaf < 0, ~wall_leaf, wall_leaf), wall_points)
+        on_faint = (wall_gradient**2).sum(axis=0) <= faint**2
         wide = np.prod(self.pieces.upper - self.pieces.lower, axis=0)[~self.pieces.proved]
-        unresolved = LeftOpen(float(wide.sum()), float(share[kept & unsure].sum()))
+        shaken = float(share[kept & (unsure | doubtful)].sum() + wall_weights[on_faint].sum())
+        unresolved = LeftOpen(float(wide.sum() + (edges.weight * off)[kept & doubtful].sum()), shaken)
         made = CellRule(
             points,
             weights,

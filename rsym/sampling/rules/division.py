@@ -43,6 +43,10 @@ class BoundedFunctions(Protocol):
         """A value up to this is zero to rounding."""
 
     @property
+    def faint(self) -> float:
+        """A gradient up to this may be all of rounding."""
+
+    @property
     def gates(self) -> Any:
         """Rows of whole numbers; None: every part is wanted, and the functions only part the cells."""
 

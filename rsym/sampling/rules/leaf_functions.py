@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -33,6 +34,7 @@ from rsym.sampling.rules.walks import form_sign
 from rsym.sampling.sharp.crossings import CompiledLeaves
 
 FEW = 8  # leaves of which all combinations of signs are tried
+FAINT = 32.0  # roots of rounding: beside the double zero of a square multiplied out all is noise, a thousandth as steep
 FACTOR, MODULUS = 1_000_003, (1 << 31) - 1  # numbers of what is reached are equal by chance once in 2e9
 EPSILON = float(np.finfo(np.float64).eps)
 
@@ -50,6 +52,8 @@ class LeafFunctions:
         0 for a min and 1 for a max, and its operands.
     tolerance : float
         A scaled value up to this is zero to rounding: it belongs to a distance of some last places of the bounds.
+    faint : float
+        A scaled gradient up to this may be all of rounding: so steep is a square where it is as large as some of that.
     """
 
     def __init__(self, shape: Shape, form: SignForm, letters: Mapping[Any, float] | None, bounds: Bounds) -> None:
@@ -58,6 +62,7 @@ class LeafFunctions:
         self._multiples = _multiples_of(form)
         self.walls = np.ones(self.count, np.bool_)
         self.tolerance = 8 * EPSILON * max(abs(end) for pair in bounds for end in pair)
+        self.faint = FAINT * math.sqrt(self.tolerance / max(high - low for low, high in bounds))
         box = (*bounds, (-1.0, 1.0))[:3]
         values = shape.letters.values_with(letters)
         kernels: Any = _kernels(form).copy()

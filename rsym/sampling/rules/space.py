@@ -176,6 +176,7 @@ class BaseFunctions:
     until: float
     gates: None = None
     dimension: int = 2
+    faint: float = 0.0
 
     @property
     def tolerance(self) -> float:
