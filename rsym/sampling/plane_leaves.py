@@ -129,8 +129,7 @@ class PlaneLeaves:
 
     def meet(self, points: Floats, one: Ints, other: Ints, cell: float) -> Flags:
         """Whether both leaves are zero at each point: Newton's method ends somewhere where they are nowhere."""
-        if self.limits:
-            one, other = self._at_walls(one, other), self._at_walls(other, one)
+        one, other = self._at_walls(one, other), self._at_walls(other, one)
         with np.errstate(all="ignore"):
             cells = [np.abs(f) / np.linalg.norm(slope, axis=1) / cell for f, slope in self.of(points, one, other)]
         return np.asarray(np.maximum(*cells) <= ON_LEVEL)
@@ -214,8 +213,7 @@ class PlaneLeaves:
 
     def common(self, points: Floats, one: Ints, other: Ints) -> Floats:
         """Newton from points to the common zeros of two leaves each; NaN or far away where there is none."""
-        if self.limits:
-            one, other = self._at_walls(one, other), self._at_walls(other, one)
+        one, other = self._at_walls(one, other), self._at_walls(other, one)
 
         def step(points: Floats, which: Ints) -> Floats:
             (f, first), (g, second) = self.of(points, one[which], other[which])

@@ -224,16 +224,9 @@ class Columns:
         share = edges.weight * longer
         unsure = ~proved | ~(share <= most)
         share = np.fmin(share, most)
-        # Where hardly anything slopes a double zero and its rounding look like two crossings.
-        faint, tall = self.functions.faint, self.height[1, own] - self.height[0, own]
-        doubtful = (gradient**2).sum(axis=0) <= faint**2
-        with np.errstate(all="ignore"):
-            off = np.fmin(self.functions.tolerance / np.abs(along(gradient, self.pieces.axis[own])), tall)
-        _, wall_gradient = self.functions.evaluate(np.where(wall_leaf < 0, ~wall_leaf, wall_leaf), wall_points)
-        on_faint = (wall_gradient**2).sum(axis=0) <= faint**2
         wide = np.prod(self.pieces.upper - self.pieces.lower, axis=0)[~self.pieces.proved]
-        shaken = float(share[kept & (unsure | doubtful)].sum() + wall_weights[on_faint].sum())
-        unresolved = LeftOpen(float(wide.sum() + (edges.weight * off)[kept & doubtful].sum()), shaken)
+        unresolved = LeftOpen(float(wide.sum()), float(share[kept & unsure].sum()))
+        unresolved += self._doubtful(wall_points, wall_weights, wall_leaf)
         made = CellRule(
             points,
             weights,
@@ -244,6 +237,17 @@ class Columns:
             np.concatenate([self.pieces.owner[own[kept]], wall_owner]),
         )
         return made, unresolved
+
+    def _doubtful(self, points: Floats, weights: Floats, leaf: Ints) -> LeftOpen:
+        """What walls may be wrong by that hardly slope: a double zero and its rounding look like two of them."""
+        functions = self.functions
+        if not functions.faint:
+            return LeftOpen()
+        _, gradient = functions.evaluate(np.where(leaf < 0, ~leaf, leaf), points)
+        steep = np.sqrt((gradient**2).sum(axis=0))
+        faint = steep <= functions.faint
+        off = functions.tolerance / np.maximum(steep[faint], np.sqrt(functions.tolerance))
+        return LeftOpen(float(weights[faint] @ off), float(weights[faint].sum()))
 
     def _spread(self, lines: Lines, panels: Panels, orders: Ints) -> tuple[Floats, Floats, Ints, Ints]:
         """Points, weights, cells and leaves of a Gauss rule on intervals of lines."""

@@ -18,6 +18,7 @@ from rsym.sampling.rules.isolation import Brackets, roots
 from rsym.sampling.rules.walks import SAME
 
 NEWTON_STEPS = 7
+ASIDE = 2.0**-17 * np.array([0.755, 0.570, 0.431])  # of a size, along no symmetry
 # Places over which two leaves are compared, and how many agreements tell that they are one surface. Their steps are of
 # no lattice, Kronecker's sequence, so that none of them is on the curve in which leaves cross.
 PLACES, AGREED = 16, 4
@@ -55,6 +56,15 @@ def across(gradient: Floats, axis: Ints) -> Floats:
     """The components of gradients (3, n), or of their bounds (3, 2, n), along the base."""
     remaining = np.array([[1, 2], [0, 2], [0, 1]])[axis].T
     return np.take_along_axis(gradient, remaining if gradient.ndim == 2 else remaining[:, None], axis=0)
+
+
+def smooth_values(functions: BoundedFunctions, leaf: Ints, points: Floats, size: Floats) -> tuple[Floats, Floats]:
+    """Values and gradients (dim, n) of leaves, a little aside, by sizes (n,), where there are none: on a crease."""
+    value, gradient = functions.evaluate(leaf, points)
+    some = np.flatnonzero(~np.isfinite(gradient).all(axis=0))
+    if len(some):
+        _, gradient[:, some] = functions.evaluate(leaf[some], points[:, some] + ASIDE[:, None] * size[some])
+    return value, gradient
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,10 @@ class BoundedFunctions(Protocol):
         """A value up to this is zero to rounding."""
 
     @property
+    def domain_ends(self) -> Any:
+        """Which functions are ends of domains: of those that have one surface another one bounds."""
+
+    @property
     def faint(self) -> float:
         """A gradient up to this may be all of rounding."""
 

@@ -52,15 +52,25 @@ class LeafFunctions:
         0 for a min and 1 for a max, and its operands.
     tolerance : float
         A scaled value up to this is zero to rounding: it belongs to a distance of some last places of the bounds.
+    domain_ends : (count,)
+        Which leaves are ends of domains and poles: of those that have one surface another one bounds.
     faint : float
         A scaled gradient up to this may be all of rounding: so steep is a square where it is as large as some of that.
     """
 
-    def __init__(self, shape: Shape, form: SignForm, letters: Mapping[Any, float] | None, bounds: Bounds) -> None:
+    def __init__(
+        self,
+        shape: Shape,
+        form: SignForm,
+        letters: Mapping[Any, float] | None,
+        bounds: Bounds,
+        domain_ends: Flags | None = None,
+    ) -> None:
         self.dimension, self.count = shape.dimension, len(form.leaves)
         self.gates = gate_array(form.gates)
         self._multiples = _multiples_of(form)
         self.walls = np.ones(self.count, np.bool_)
+        self.domain_ends = np.zeros(self.count, np.bool_) if domain_ends is None else domain_ends
         self.tolerance = 8 * EPSILON * max(abs(end) for pair in bounds for end in pair)
         self.faint = FAINT * math.sqrt(self.tolerance / max(high - low for low, high in bounds))
         box = (*bounds, (-1.0, 1.0))[:3]
@@ -130,23 +140,11 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
     plain.require_traced()
     walls = tuple(plain.walls)
     form, owner = _smooth(plain)
-    if walls:
-        form, owner = _behind(form, owner, np.isin(owner, walls))
     if capped:
         # Those across a plane are never met, and have no names.
         sides = len(plain.leaves) + np.minimum(np.arange(6), 2 * shape.dimension - 1)
         return RuleForm(form.capped(), leaf_names(plain.capped(), shape), np.concatenate([owner, sides]), walls)
     return RuleForm(form, leaf_names(plain, shape), owner, walls)
-
-
-def _behind(form: SignForm, owner: Ints, walls: Flags) -> tuple[SignForm, Ints]:
-    """The same with the walls behind the other leaves: the first of leaves that have one surface bounds."""
-    order = np.argsort(walls, kind="stable")
-    place = [*np.argsort(order).tolist(), *range(len(order), len(order) + len(form.gates))]
-    gates = tuple(Gate(op, *(place[one] for one in operands)) for op, *operands in form.gates)
-    leaves = tuple(form.leaves[k] for k in order.tolist())
-    folds = tuple(place[one] for one in form.folds)
-    return replace(form, leaves=leaves, gates=gates, folds=folds), owner[order]
 
 
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:

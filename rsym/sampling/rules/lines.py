@@ -69,7 +69,7 @@ class Lines:
             arguments: Any = (*about, functions.walls[self.leaf], *room)
             walk_parts(*arguments)
         else:
-            arguments = (functions.gates, *about, self.past, signs, *room)
+            arguments = (functions.gates, functions.domain_ends, *about, self.past, signs, *room)
             walk_inside(*arguments)
         return _panels(panels, sizes[0]), _panels(edges, sizes[1])
 
@@ -88,7 +88,16 @@ class Lines:
         sizes = np.zeros(1, np.int64)
         sides: Any = (self.past, left, right, *edges, sizes, self._order())
         functions = self.functions
-        walk_upright(functions.gates, functions.tolerance, self.ends, kind, weight, *self._leaves(), *sides)
+        walk_upright(
+            functions.gates,
+            functions.domain_ends,
+            functions.tolerance,
+            self.ends,
+            kind,
+            weight,
+            *self._leaves(),
+            *sides,
+        )
         return _panels(edges, sizes[0])
 
     def _leaves(self) -> tuple[Any, ...]:

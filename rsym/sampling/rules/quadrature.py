@@ -365,7 +365,7 @@ def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> 
 
     known, whole = bounds_or_extent(shape, bounds, letters), bounds is None and shape.bounds is None
     form = rule_form(shape, not whole or shape.box is not None)
-    functions = LeafFunctions(shape, form.form, letters, known)
+    functions = LeafFunctions(shape, form.form, letters, known, np.isin(form.owner, form.walls))
     if whole and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
         raise _unbounded()
     own = 2 * shape.dimension if bounds is None and shape.box is not None else 0

@@ -15,7 +15,7 @@ import numpy as np
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.bases import BOTH, PlaneBases
 from rsym.sampling.rules.columns import CellRule, Columns, LeftOpen, rules_together, tensor_rules
-from rsym.sampling.rules.curves import Risers, across, along, coincide, heights_between, placed
+from rsym.sampling.rules.curves import Risers, across, along, coincide, heights_between, placed, smooth_values
 from rsym.sampling.rules.deadlines import require_time
 from rsym.sampling.rules.division import (
     INSIDE,
@@ -35,7 +35,6 @@ from rsym.sampling.rules.walks import BETWEEN, LAST, SAME
 LIMITS = Limits(4, 40, 3.0, 64)
 FACE, GAP = 0, 1
 STEPS, INTO = 3, 5  # of Newton to a height, and of secants into a valley
-ASIDE = 2.0**-17 * np.array([0.755, 0.570, 0.431])  # of the height of a piece, along no symmetry
 SMALL = 0.3  # of the base of a piece: a quarter
 
 
@@ -115,9 +114,8 @@ def _sides(columns: Columns, flat: CellRule, leaf: Ints, last: Flags) -> tuple[A
     own, other = piece[line], pieces.leaf[pair]
     points = placed(pieces.axis[own], flat.edge_points[:, line], columns.height[0, own])
     size = np.ptp(columns.height[:, own], axis=0)
-    value, gradient = functions.evaluate(other, points)
-    normal = _beside(functions, leaf[line], points, size, functions.evaluate(leaf[line], points)[1])
-    gradient = _beside(functions, other, points, size, gradient)
+    value, gradient = smooth_values(functions, other, points, size)
+    _, normal = smooth_values(functions, leaf[line], points, size)
     same = np.where((gradient * normal).sum(axis=0) >= 0, 1, -1)
     zero = (np.abs(value) <= SAME * functions.tolerance) | (other == leaf[line])
     step = (normal / np.linalg.norm(normal, axis=0) * size).T
@@ -133,14 +131,6 @@ def _sides(columns: Columns, flat: CellRule, leaf: Ints, last: Flags) -> tuple[A
         side[line, other] = np.where(zero, np.where(found == 0, way * same, found), sign)
         signs.append(side)
     return signs[0], signs[1]
-
-
-def _beside(functions: BoundedFunctions, leaf: Ints, points: Floats, size: Floats, gradient: Floats) -> Floats:
-    """Gradients (3, n) of leaves at points, those a little aside where there are none: on a crease."""
-    some = np.flatnonzero(~np.isfinite(gradient).all(axis=0))
-    if len(some):
-        _, gradient[:, some] = functions.evaluate(leaf[some], points[:, some] + ASIDE[:, None] * size[some])
-    return gradient
 
 
 @dataclass(frozen=True)
@@ -177,6 +167,7 @@ class BaseFunctions:
     gates: None = None
     dimension: int = 2
     faint: float = 0.0
+    domain_ends: None = None
 
     @property
     def tolerance(self) -> float:

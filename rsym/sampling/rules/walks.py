@@ -71,9 +71,16 @@ def start_signs(
 
 
 @step
+def is_before(one: int, other: int, domains: Any) -> bool:
+    """Whether the first of two leaves that have one surface bounds there: no end of a domain, if one is none."""
+    earlier: bool = other < 0 or (one < other if domains[one] == domains[other] else domains[other])
+    return earlier
+
+
+@step
 def bounding(
-    gates: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any, past: Any, signs: Any,
-    known: Any, beyond: Any,
+    gates: Any, domains: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any, past: Any,
+    signs: Any, known: Any, beyond: Any,
 ) -> int:  # fmt: skip
     """The leaf along which the boundary runs at an end of a line that is inside there; -1 if none.
 
@@ -85,7 +92,7 @@ def bounding(
     for k in range(first, last):
         if not upright[k] and abs(value[k]) <= tolerance:
             beyond[leaf[k]] = past[k] if past[k] != 0 else -signs[leaf[k]]
-            if signs[leaf[k]] > 0 and found < 0:
+            if signs[leaf[k]] > 0 and is_before(leaf[k], found, domains):
                 found = leaf[k]
     if found >= 0 and form_sign(gates, beyond, known) > 0:
         found = -1
@@ -113,12 +120,13 @@ def cross(start: int, count: int, tolerance: float, leaf: Any, root: Any, order:
 
 @loop
 def walk_inside(
-    gates: Any, tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any, above: Any,
-    root: Any, past: Any, signs: Any, panels: Any, panel_numbers: Any, edges: Any, edge_numbers: Any, sizes: Any,
-    order: Any,
+    gates: Any, domains: Any, tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any, upright: Any,
+    below: Any, above: Any, root: Any, past: Any, signs: Any, panels: Any, panel_numbers: Any, edges: Any,
+    edge_numbers: Any, sizes: Any, order: Any,
 ) -> None:  # fmt: skip
     """The intervals inside and the crossings of the boundary on each line between `ends`.
 
+    Some leaves are ends of `domains`: of those that have one surface another one bounds.
     `signs` (lines, leaves) are those of leaves that do not matter; others are found and changed on the way.
     """
     known, beyond = np.empty(signs.shape[1] + len(gates), np.int8), np.empty(signs.shape[1], np.int8)
@@ -130,7 +138,7 @@ def walk_inside(
         at, top, share = ends[0, line], ends[1, line], weight[line]
         inside = form_sign(gates, own, known) > 0
         if inside:
-            found = bounding(gates, first, last, tolerance, leaf, upright, below, past[0], own, known, beyond)
+            found = bounding(gates, domains, first, last, tolerance, leaf, upright, below, past[0], own, known, beyond)
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, at, at, share, line, found)
         number = 0
@@ -142,7 +150,7 @@ def walk_inside(
                 found = -1
                 for j in range(number, following):
                     k = leaf[order[j]]
-                    if (found < 0 or k < found) and (own[k] > 0) == now:
+                    if (own[k] > 0) == now and is_before(k, found, domains):
                         found = k
                 outer = note(edges, edge_numbers, outer, here, here, share, line, found)
                 if inside:
@@ -151,7 +159,7 @@ def walk_inside(
             inside, number = now, following
         if inside:
             inner = note(panels, panel_numbers, inner, at, top, share, line, -1)
-            found = bounding(gates, first, last, tolerance, leaf, upright, above, past[1], own, known, beyond)
+            found = bounding(gates, domains, first, last, tolerance, leaf, upright, above, past[1], own, known, beyond)
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, top, top, share, line, found)
     sizes[0], sizes[1] = inner, outer
@@ -198,8 +206,9 @@ def walk_parts(
 
 @loop
 def walk_upright(
-    gates: Any, tolerance: float, ends: Any, kind: Any, weight: Any, begin: Any, leaf: Any, upright: Any, below: Any,
-    above: Any, root: Any, past: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any, order: Any,
+    gates: Any, domains: Any, tolerance: float, ends: Any, kind: Any, weight: Any, begin: Any, leaf: Any, upright: Any,
+    below: Any, above: Any, root: Any, past: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any,
+    order: Any,
 ) -> None:  # fmt: skip
     """The intervals of lines on upright leaves where the inside is on one side only.
 
@@ -222,8 +231,8 @@ def walk_upright(
                 found = -1
                 for k in range(first, last):
                     j = leaf[k]
-                    if upright[k] and found < 0 and left[line, j] != right[line, j] and (left[line, j] > 0) == one:
-                        found = j
+                    if upright[k] and left[line, j] != right[line, j] and (left[line, j] > 0) == one:
+                        found = j if is_before(j, found, domains) else found
                 outer = note(edges, edge_numbers, outer, at, end, weight[line], line, found)
             at, following = end, number + 1
             if number < count:
