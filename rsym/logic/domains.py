@@ -80,8 +80,13 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
 
 
 def keep_walls(builder: Builder, leaves: Sequence[int], stripped: Callable[[int], Sequence[int]]) -> None:
-    """Know the walls among the leaves of a form again: positive factors are stripped of them, and some have gates."""
+    """Know the walls among the leaves of a form again: positive factors are stripped of them, and some have gates.
+
+    A leaf that is a face too, written otherwise there, is no wall.
+    """
     places = {unscaled(builder, leaf): leaf for leaf in leaves}
+    faces = {unscaled(builder, leaf) for leaf in [*builder.faces]}
+    builder.faces.update(leaf for key, leaf in places.items() if key in faces)
     for domain, ends in [*builder.walls.items()]:
         limits = {places.get(unscaled(builder, leaf), leaf): limit for leaf, limit in ends.items()}
         for wall in stripped(domain):

@@ -83,6 +83,17 @@ def test_where_a_domain_ends_is_no_boundary_however_it_is_written(name):
 
 
 @pytest.mark.parametrize(
+    "other", [sp.sqrt(DISC) + 1, sp.sqrt(2 * DISC) + 1, sp.sqrt(DISC * (2 + x**2)) + 1, sp.acos(x**2 + y**2) + 1]
+)
+def test_the_end_of_a_domain_that_is_a_face_too_is_boundary(other):
+    for join in (rsym.conjunction, rsym.disjunction):
+        for operands in ((other, DISC), (DISC, other)):
+            shape = Shape(join(*operands), (x, y), bounds=((-2, 2),) * 2)
+            assert_close(rsym.measure(shape).length, 2 * math.pi, rtol=1e-9)
+            assert len(rsym.level_lines(shape, resolution=16)) == 1
+
+
+@pytest.mark.parametrize(
     ("radius", "gap", "cells"), [(0.4, 0.012, 64), (0.39, 0.00036, 50), (0.23, 0.006, 33), (0.5, -0.0012, 33)]
 )
 def test_a_hole_beside_the_end_of_a_domain_is_a_circle(radius, gap, cells):
