@@ -22,6 +22,7 @@ from rsym.sampling.sharp.topology import Topology
 
 # From a hundredth of a cell off, four steps end at rounding: 1e-2, 1e-4, 1e-8, 1e-16.
 STEPS = 4
+AT_ONCE = 1024  # edges and corners
 AWAY = 1.0  # cells beyond its own: there no vertex of one leaf has to be
 # Cells of the last of Newton's steps. From a hundredth of a cell off, the fourth is far shorter.
 SETTLED = 1e-6
@@ -88,16 +89,23 @@ def _on_own(
     lattice: Floats,
     pool: Executor | None,
 ) -> Flags:
-    """Whether points (3, n) lie on a leaf of the crossings around some vertices: not where one has a kink far away."""
-    begin = surface.ring_start[which]
-    owner, at = ranges(begin, surface.ring_start[which + 1] - begin)
-    leaf, places = np.full(padded(len(at)), -1, np.int16), columns(where[:, owner])
-    leaf[: len(at)] = crossings.leaf[surface.ring[at]]
-    value, gradient = np.zeros(len(leaf)), np.zeros(places.shape)
-    evaluate(kernels, leaf, places, value, gradient, len(at), pool)
-    steep = np.abs(crossings.gradients[:, surface.ring[at]]).T @ lattice[3:]  # at a kink it may be without bound
-    on = (np.abs(value[: len(at)]) <= ZERO * steep) | (steep == 0)  # at a jump slopes say nothing
-    return np.asarray(np.bincount(owner, on, len(which)) > 0)
+    """Whether points (3, n) lie on a leaf of the crossings around some vertices: not where one has a kink far away.
+
+    Some at a time: there are several crossings around each, which no claim of memory knows of.
+    """
+    found = np.zeros(len(which), np.bool_)
+    for first in range(0, len(which), AT_ONCE):
+        some = slice(first, first + AT_ONCE)
+        begin = surface.ring_start[which[some]]
+        owner, at = ranges(begin, surface.ring_start[which[some] + 1] - begin)
+        leaf, places = np.full(padded(len(at)), -1, np.int16), columns(where[:, some][:, owner])
+        leaf[: len(at)] = crossings.leaf[surface.ring[at]]
+        value, gradient = np.zeros(len(leaf)), np.zeros(places.shape)
+        evaluate(kernels, leaf, places, value, gradient, len(at), pool)
+        steep = np.abs(crossings.gradients[:, surface.ring[at]]).T @ lattice[3:]  # at a kink it may be without bound
+        on = (np.abs(value[: len(at)]) <= ZERO * steep) | (steep == 0)  # at a jump slopes say nothing
+        found[some] = np.bincount(owner, on, len(begin)) > 0
+    return found
 
 
 @loop
