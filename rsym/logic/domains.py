@@ -85,7 +85,7 @@ def keep_walls(builder: Builder, leaves: Sequence[int], stripped: Callable[[int]
     A leaf that is a face too, written otherwise there, is no wall.
     """
     places = {unscaled(builder, leaf): leaf for leaf in leaves}
-    faces = {unscaled(builder, leaf) for leaf in [*builder.faces]}
+    faces = {unscaled(builder, leaf) for leaf in builder.faces}
     builder.faces.update(leaf for key, leaf in places.items() if key in faces)
     for domain, ends in [*builder.walls.items()]:
         limits = {places.get(unscaled(builder, leaf), leaf): limit for leaf, limit in ends.items()}

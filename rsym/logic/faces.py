@@ -224,8 +224,7 @@ class _Named:
             forms = [sign_form(builder, node) for node in (*both, *map(builder.neg, both))]
             leaves = [bare(builder, leaf) for one in forms for leaf in one.leaves]
             parts.append(_Part(name, expression, len(forms[0].leaves), frozenset(leaves)))
-            tops = [written.operands(forms), alike.operands(forms)]
-            for operand in tops[0] or tops[1]:
+            for operand in written.operands(forms) or alike.operands(forms):
                 at[operand].append(number)
         begins = {operand: _chains(parts, same) for operand, same in at.items()}
         keys = tuple(bare(builder, leaf) for leaf in form.leaves)

@@ -129,8 +129,9 @@ class PlaneBases:
         first, last = before[line] < 0, after[line] < 0
         wide = width[np.maximum(before, after)[line]]
         past = beyond(at, place, np.where(first, -wide, wide), zero & (first | last), functions.tolerance)
-        left[line, leaf] = np.where(first, np.where(zero, np.where(past == 0, -other, past), other), one)
-        right[line, leaf] = np.where(last, np.where(zero, np.where(past == 0, -one, past), one), other)
+        inner = np.where(first, other, one)
+        outer = np.where(past != 0, past, np.where(zero, -inner, inner))
+        left[line, leaf], right[line, leaf] = np.where(first, outer, one), np.where(last, outer, other)
         return left, right
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -156,19 +156,12 @@ class Columns:
             beyond(curves.distances, at, way, (np.abs(value) <= tolerance) & ~upright, tolerance)
             for at, way, value in ((lower, -tall, below), (upper, tall, above))
         ]
-        zero = np.flatnonzero(upright & (np.abs(below) <= tolerance) & (not standing))
-        for axis in range(len(np.atleast_2d(base))):  # beside the line, where nothing is seen along it
-            some = zero[(past[0][zero] * past[1][zero]) == 0]
-            here = np.atleast_2d(curves.base)[:, some]
-
-            def beside(which: Ints, at: Floats, axis: int = axis, some: Ints = some, here: Floats = here) -> Floats:
-                places = here[:, which].copy()
-                places[axis] = at
-                moved = replace(curves, leaf=leaf[some[which]], axis=curves.axis[some[which]], base=places)
-                return moved.distances(np.arange(len(which)), lower[some[which]])
-
-            for sides, way in zip(past, (1, -1), strict=True):
-                sides[some] = beyond(beside, here[axis], way * tall[some], np.ones(len(some), np.bool_), tolerance)
+        zero = upright & (np.abs(below) <= tolerance) & (not standing)
+        for axis, place in enumerate(np.atleast_2d(curves.base)):  # beside the line, where nothing is seen along it
+            zero &= past[0] * past[1] == 0
+            for sides, way in zip(past, (tall, -tall), strict=True):
+                beside = beyond(partial(_beside, curves, lower, axis), place, way, zero, tolerance)
+                sides[zero] = beside[zero]
         return Lines(self.functions, piece, base, ends, begin, leaf, upright, below, above, root, np.stack(past))
 
     def touching(self, lines: Lines, weight: Floats) -> float:
@@ -258,6 +251,14 @@ class Columns:
         points = placed(self.pieces.axis[lines.piece[line]], lines.base[..., line], height)
         weights = w * (tall * panels.weight)[which]
         return points, weights, self.pieces.owner[lines.piece[line]], panels.leaf[which]
+
+
+def _beside(curves: Risers, height: Floats, axis: int, which: Ints, at: Floats) -> Floats:
+    """Leaves at a height of lines that are moved to other places along one axis of the base."""
+    base = np.atleast_2d(curves.base)[:, which]
+    base[axis] = at
+    moved = replace(curves, leaf=curves.leaf[which], axis=curves.axis[which], base=base)
+    return moved.distances(np.arange(len(which)), height[which])
 
 
 def neighbouring(lines: Lines, most: float) -> tuple[Ints, Ints, Floats]:

@@ -64,13 +64,13 @@ class LeafFunctions:
         form: SignForm,
         letters: Mapping[Any, float] | None,
         bounds: Bounds,
-        domain_ends: Flags | None = None,
+        domain_ends: Flags,
     ) -> None:
         self.dimension, self.count = shape.dimension, len(form.leaves)
         self.gates = gate_array(form.gates)
         self._multiples = _multiples_of(form)
         self.walls = np.ones(self.count, np.bool_)
-        self.domain_ends = np.zeros(self.count, np.bool_) if domain_ends is None else domain_ends
+        self.domain_ends = domain_ends
         self.tolerance = 8 * EPSILON * max(abs(end) for pair in bounds for end in pair)
         self.faint = FAINT * math.sqrt(self.tolerance / max(high - low for low, high in bounds))
         box = (*bounds, (-1.0, 1.0))[:3]

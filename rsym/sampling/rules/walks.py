@@ -62,8 +62,6 @@ def start_signs(
             continue
         if abs(below[k]) <= tolerance and abs(above[k]) <= tolerance and past[0, k] * past[1, k] > 0:
             signs[leaf[k]] = past[0, k]
-        elif upright[k]:
-            signs[leaf[k]] = 1 if below[k] > 0 else -1
         elif abs(below[k]) <= tolerance:
             signs[leaf[k]] = 1 if above[k] > 0 else -1
         else:
