@@ -132,6 +132,24 @@ def test_the_folder_follows_the_custom_of_the_system(tmp_path, monkeypatch, plat
     assert caches.cache_folder("loops") == tmp_path / expected
 
 
+def test_what_is_compiled_is_what_stands_there(folder):
+    """So for rows of any length: of such loops LLVM makes wrong vectors of 512 bits, on the processors that it does."""
+
+    def turn(signs, wanted, turned):
+        for k in range(len(signs)):
+            if signs[k] == 0 and not wanted[k]:
+                signs[k] = -turned[k]
+
+    chance, compiled = np.random.default_rng(20260101), loops.loop(turn)
+    for count in range(1, 101):
+        signs, wanted = chance.integers(-1, 2, count).astype(np.int8), chance.integers(0, 2, count).astype(np.bool_)
+        turned = chance.choice([-1, 1], count)
+        expected, found = signs.copy(), signs.copy()
+        turn(expected, wanted, turned)
+        compiled(found, wanted, turned)
+        assert (found == expected).all()
+
+
 def test_words(folder):
     @loop
     def both(word):

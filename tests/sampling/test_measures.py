@@ -1,6 +1,8 @@
 """What is asked of bodies first: is a point inside, how large is it, where is its middle."""
 
+import functools
 import math
+import operator
 import pickle
 
 import numpy as np
@@ -280,6 +282,22 @@ def test_tiles_that_meet_have_one_outline():
         assert rsym.measure(rsym.row(rsym.rectangle(1, 1), 1, count=count)).length == pytest.approx(2 * count + 2)
     tiled = rsym.measure(rsym.grid(rsym.rectangle(1, 1).named("tile"), (1, 1), counts=(3, 3)))
     assert tiled.parts["tile"] == pytest.approx(12)
+
+
+def test_a_body_of_more_leaves_than_a_vector_has_bytes():
+    joined = [((2, 0, 0), (4, 4, 5)), ((4, 4, 1), (6, 5, 4)), ((5, 0, 1), (6, 4, 5)), ((2, 0, 1), (5, 4, 5))]
+    cut = [((2, 4, 1), (6, 5, 4)), ((5, 0, 0), (6, 5, 1))]
+    parts = [
+        rsym.box(
+            *(b - a for a, b in zip(low, high, strict=True)),
+            [sp.Rational(a + b, 2) for a, b in zip(low, high, strict=True)],
+        )
+        for low, high in (*joined, *cut)
+    ]
+    body = functools.reduce(operator.or_, parts[:4]) - parts[4] - parts[5]
+    found = rsym.measure(body)
+    assert found.volume == pytest.approx(72, rel=1e-12)
+    assert found.surface == pytest.approx(108, rel=1e-12)
 
 
 def test_boxes_that_meet_have_one_surface():

@@ -50,11 +50,20 @@ NOTICE = "compiling the mesher's loops, once on this machine: some six seconds"
 HOW = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}  # no C code calls a loop: a tenth of the time
 MAKERS = {"empty", "zeros", "full", "arange"}
 KIND = "loops"
+# Vectors of 512 bits are what LLVM 20 and 22 choose for processors of kinds znver4 and znver5 alone, and there they turn
+# int64 into int8 wrongly: of `signs[k] = -turned[k]` for 32 leaves and more, the bytes of others came out as zero.
+WIDTH = '"prefer-vector-width"="256"'
 _COMPILED = itertools.count(1)
 
 
 class LoopLibrary(JITCodeLibrary):  # type: ignore[misc]
     """Code of a loop, optimised once, as a whole: numba does so thrice, by function and cheaply before."""
+
+    def add_ir_module(self, ir_module: Any) -> None:
+        """Take code, all of it for vectors of the same width."""
+        for function in ir_module.functions:
+            set.add(function.attributes, WIDTH)  # the method of attributes takes those alone that have no value
+        super().add_ir_module(ir_module)
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
@@ -219,7 +228,7 @@ class LoopCache:
 
     def _entry(self, signature: Any, codegen: Any) -> str:
         how = HOW | _how(self._function)
-        machine = (numba.__version__, sys.version, how, [one.__name__ for one in PASSES], _machine(codegen))
+        machine = (numba.__version__, sys.version, how, WIDTH, [one.__name__ for one in PASSES], _machine(codegen))
         digest = hashlib.sha256(repr((machine, str(signature), *_content(self._function, set()))).encode())
         return f"{self._function.__name__}-{digest.hexdigest()[:32]}"
 
