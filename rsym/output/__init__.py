@@ -15,7 +15,7 @@ paints.py, parts.py                                what a surface is painted wit
 axes3d.py, bodies.py, surfaces.py, gallery.py      three-dimensional axes, bodies on them, a mesh, many of them
 cameras.py, framing.py, sights.py, edges.py, brushes.py  rays: the eye, the frame, what is seen, edges, colours
 castings.py                                        a shape on three-dimensional axes, without a mesh
-shadows.py, rendering.py, images.py, image_axes.py pictures of rays, straight from the equation, no mesh
+shadows.py, rendering.py, slender.py, images.py, image_axes.py pictures of rays, straight from the equation, no mesh
 tessellation.py, patches.py, joins.py              parametric surfaces, one or several; where they meet
 sections.py, sweep.py, systems.py                  stacks of sections, one letter, R-systems side by side
 certificates.py, combs.py, singular.py             the parts of verdicts: proofs and defects, teeth, edges

@@ -16,8 +16,8 @@ from rsym.output import axes3d
 from rsym.output.bodies import FEATURE_WIDTH, Body
 from rsym.output.brushes import Brush, brush_of, checked_colouring
 from rsym.output.cameras import Viewport
-from rsym.output.rendering import Scene, developed, require_body
-from rsym.output.shading import unit
+from rsym.output.rendering import Scene, require_body
+from rsym.output.shading import developed, unit
 from rsym.output.sights import Probe, corners_of
 from rsym.sampling.rays import Caster
 
@@ -39,7 +39,8 @@ class ShadedShape(Body):
             return low, np.zeros((0, 0, 4), np.uint8)
         view = view_of(axes, corners_of(self.caster.bounds), (columns, rows), low, scale)
         scene = Scene(self.caster, view, ())
-        canvas = scene.painted(scene.seen(), self.brush, width)
+        sight, between = scene.shown(scene.seen())
+        canvas = scene.painted(sight, self.brush, width, between=between.pixels)
         return low, developed(canvas, None).reshape(rows, columns, 4)[::-1]
 
 

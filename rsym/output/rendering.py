@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from numbers import Integral
 from typing import Any
@@ -26,9 +26,10 @@ from rsym.output.framing import framed
 from rsym.output.images import Image, counted
 from rsym.output.ink import INK
 from rsym.output.paints import NAMES_OF_MAPS
-from rsym.output.shading import HOLLOW_RADIUS, Light, hollows_at, levels, linear, lit
+from rsym.output.shading import HOLLOW_RADIUS, Light, developed, hollows_at, linear, lit
 from rsym.output.shadows import shade_of
 from rsym.output.sights import UNDECIDED, Probe, Sight
+from rsym.output.slender import Slender, slender
 from rsym.sampling.hits import Hits
 from rsym.sampling.pencils import Cut
 from rsym.sampling.plane import fixed_coordinates
@@ -42,6 +43,7 @@ FINER = 8  # than pixels: how closely rays look that say where in a pixel an edg
 BESIDE = (1e-3, 7e-4)  # pixels: so far beside it a ray looks where the one through the middle cannot decide
 MOST_PIXELS = 1 << 26  # of a picture: 5 GB of memory
 MOST_SAMPLES = 64
+NONE = np.zeros(0, np.int64)
 THUMBNAIL, MOST_NODES = (240, 180), 400  # pixels; parts of a formula, of which a caster is made in half a second
 BATCH = 1 << 14  # pixels shaded at once: what is between steps stays in the cache
 
@@ -64,7 +66,8 @@ def render(
     """Draw a shape in space by rays cast at its equation: exact edges, normals and curvatures, no mesh.
 
     A ray meets the surface at the first zero of the sign form along it, found by enclosures; the light is that of
-    `plot_mesh`. Beyond its bounds a body is cut off, as meshes are.
+    `plot_mesh`. Beyond its bounds a body is cut off, as meshes are. What rays through the middles of pixels pass by,
+    needles and fins thinner than a pixel, is found by enclosures round whole pixels, and shown; gaps as thin are not.
 
     Parameters
     ----------
@@ -108,7 +111,8 @@ def render(
     Warns
     -----
     RsymWarning
-        Where nothing of the body is seen, rays are undecided, or omega has no value in some of the bounds.
+        Where nothing of the body is seen, rays are undecided, what is thinner than a pixel cannot be found, or omega
+        has no value in some of the bounds.
 
     Examples
     --------
@@ -127,24 +131,30 @@ def render(
     cuts = cuts_of(section, shape, caster.bounds, camera)
     view = framed(caster, camera, size)
     scene = Scene(caster, view, cuts)
-    sight = scene.seen()
+    seen = scene.seen()
+    sight, between = scene.shown(seen)
     warn_undefined(shape, caster.bounds, letters)
     if count := int(np.count_nonzero(sight.hits.undecided)):
         warn(
             f"{counted(count)}: the body may have walls there that are thinner than rays tell; remedy: another camera, "
             "or look at what is closer"
         )
+    elif between.blind:
+        warn(
+            "what is thinner than a pixel may be missing: bounds of omega round whole pixels are too wide to find it; "
+            "remedy: write omega with fewer terms that cancel, as a product, or build it of rsym's pieces"
+        )
     elif not len(sight.met):
         warn("nothing of the body is seen; remedy: other bounds, another camera or section")
     brush = brush_of(colouring, [sight], lambda: Probe.of(caster))
     width = max(LINE * float(np.sqrt(size[0] * size[1])), THINNEST) if lines else 0.0
-    canvas = scene.painted(sight, brush, width, shadows=shadows, samples=samples)
+    canvas = scene.painted(sight, brush, width, shadows=shadows, samples=samples, between=between.pixels)
     names = (*caster.leaves, *(f"section {name} = {value:g}" for name, value in (section or {}).items()))
     return Image(
         pixels=developed(canvas, background).reshape(size[1], size[0], 4),
         view=view,
         camera=camera,
-        hits=sight.hits,
+        hits=replace(seen.hits, undecided=sight.hits.undecided),
         leaves=names,
         coordinates=tuple(symbol.name for symbol in shape.coordinates),
         scale=brush.scale,
@@ -254,6 +264,20 @@ class Scene:
         self._put(hits, row, column, self.sight(column, row))
         return Sight.of_pixels(self.view, hits)
 
+    def shown(self, seen: Sight) -> tuple[Sight, Slender]:
+        """What is painted: what is seen, with what is thinner than a pixel wherever in a pixel it was found."""
+        found = slender(self.caster, seen, self.sight, self.cuts)
+        if not len(found.pixels) and not len(found.undecided):
+            return seen, found
+        hits = seen.hits
+        hits = replace(hits, **{name: getattr(hits, name).copy() for name in ("depth", "leaf", "normal", "undecided")})
+        row, column = np.divmod(found.pixels, self.view.size[0])
+        self._put(hits, row, column, self.sight(found.columns, found.rows))
+        hits.undecided.reshape(-1)[found.undecided] = True
+        columns, rows = seen.columns.astype(np.float64), seen.rows.astype(np.float64)
+        columns[found.pixels], rows[found.pixels] = found.columns, found.rows
+        return Sight(self.view, columns, rows, hits), found
+
     def _put(self, hits: Hits, row: Integers, column: Integers, closer: Sight) -> None:
         """What was seen closer, in place: a copy of all would take a fifth of the time."""
         for name in ("depth", "leaf", "normal", "undecided"):
@@ -272,8 +296,20 @@ class Scene:
         sight = self.sight(columns, rows)
         return sight.labels, sight.hits.depth
 
-    def painted(self, sight: Sight, brush: Brush, line: float, *, shadows: bool = False, samples: int = 1) -> Single:
-        """Light times coverage and coverage of all pixels (h*w, 4), with lines of some width in pixels."""
+    def painted(
+        self,
+        sight: Sight,
+        brush: Brush,
+        line: float,
+        *,
+        shadows: bool = False,
+        samples: int = 1,
+        between: Ints = NONE,
+    ) -> Single:
+        """Light times coverage and coverage of all pixels (h*w, 4), with lines of some width in pixels.
+
+        In the pixels `between` another ray than the one through the middle has met the body: it is one sample more.
+        """
         width, height = self.view.size
         edges = edges_of(sight, (height, width), self.look)
         canvas = np.zeros((width * height, 4), np.float32)
@@ -285,7 +321,9 @@ class Scene:
             canvas[crossed] = shown
         else:
             pixels = edges.pixels
-            canvas[pixels] = self._refined(sight, pixels, brush, colours, shares, samples)
+            more = np.isin(pixels, between)[:, None]
+            total = self._refined(sight, pixels, brush, colours, shares, samples) + more * canvas[pixels]
+            canvas[pixels] = total / np.float32(samples + more)
         canvas[sight.labels == UNDECIDED] = (*linear(SIGNAL), 1.0)
         if line:
             where, share = inked(edges, line)
@@ -323,7 +361,7 @@ class Scene:
     def _refined(
         self, sight: Sight, pixels: Ints, brush: Brush, colours: Colouring, shares: Single, samples: int
     ) -> Single:
-        """What pixels show, the mean of so many rays on a square lattice in each."""
+        """What so many rays on a square lattice in each pixel show, together."""
         side = int(np.sqrt(samples))
         row, column = np.divmod(pixels, self.view.size[0])
         total = np.zeros((len(pixels), 4), np.float32)
@@ -333,7 +371,7 @@ class Scene:
             nearest = sight.number[pixels[seen.met]]
             total[seen.met, :3] += self._light(seen, colours(seen, nearest), shares[:, nearest], brush.lit)
             total[seen.met, 3] += 1.0
-        return total / np.float32(samples)
+        return total
 
 
 def _lit(sight: Sight, colours: Single, shares: Single) -> Single:
@@ -349,18 +387,3 @@ def _lit(sight: Sight, colours: Single, shares: Single) -> Single:
         for channel in range(3):
             result[part, channel] = (colours[part, channel] * diffuse + shine) * dark
     return result.clip(0.0, 1.0)
-
-
-def developed(canvas: Single, background: str | None) -> NDArray[np.uint8]:
-    """What a screen shows, (h*w, 4)."""
-    behind = np.ones(3) if background is None else linear(background)
-    one = np.array([*levels(behind), 0 if background is None else 255], np.uint8)
-    pixels = np.full(len(canvas), one.view(np.uint32)[0]).view(np.uint8).reshape(-1, 4)
-    there = np.flatnonzero(canvas[:, 3] > 0)
-    light, coverage = canvas[there, :3], canvas[there, 3:]
-    if background is None:
-        pixels[there, :3] = levels(light / coverage)
-        pixels[there, 3] = np.rint(255 * coverage[:, 0])
-    else:
-        pixels[there, :3] = levels(light + (1 - coverage) * behind.astype(np.float32))
-    return pixels

@@ -262,3 +262,18 @@ def split_sharp(mesh: Mesh) -> ShadedVertices:
     sums: Floats = np.stack([np.bincount(faces, normals[:, k]) for k in range(3)], axis=1).astype(np.float64)
     source = vertex[first]
     return ShadedVertices(mesh.vertices[source], unit(sums), faces.reshape(-1, 3).astype(np.int64), source)
+
+
+def developed(canvas: NDArray[np.float32], background: str | None) -> NDArray[np.uint8]:
+    """What a screen shows, (h*w, 4)."""
+    behind = np.ones(3) if background is None else linear(background)
+    one = np.array([*levels(behind), 0 if background is None else 255], np.uint8)
+    pixels = np.full(len(canvas), one.view(np.uint32)[0]).view(np.uint8).reshape(-1, 4)
+    there = np.flatnonzero(canvas[:, 3] > 0)
+    light, coverage = canvas[there, :3], canvas[there, 3:]
+    if background is None:
+        pixels[there, :3] = levels(light / coverage)
+        pixels[there, 3] = np.rint(255 * coverage[:, 0])
+    else:
+        pixels[there, :3] = levels(light + (1 - coverage) * behind.astype(np.float32))
+    return pixels

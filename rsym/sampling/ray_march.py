@@ -8,6 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.bounds.ray_forms import ray_form
@@ -96,10 +97,17 @@ class ArrayRays:
         return seen.reshaped(pencil.size[::-1])
 
     def starts(
-        self, pencil: Pencil, near: float, far: float, planes: Floats, constants: MarchLetters, threads: int
+        self,
+        pencil: Pencil,
+        which: Ints,
+        ends: tuple[Floats, Floats],
+        planes: Floats,
+        constants: MarchLetters,
+        threads: int,
     ) -> Floats:
-        """Where beams round the pixels (rows, columns) of a pencil may meet something; inf where they cannot."""
-        o, d = (part.reshape(-1, 3) for part in pencil.rays())
+        """Where beams round some pixels of a pencil may meet something between their ends; inf where they cannot."""
+        row, column = np.divmod(which, pencil.size[0])
+        o, d = pencil.rays(column + 0.5, row + 0.5)
         sides, (side, growth) = np.linalg.norm([pencil.across, pencil.down], axis=1), pencil.pixel
         half = float(np.hypot(*sides)) / 2 * 1.001  # a little more for what rounding loses
         still, growing = (half, 0.0) if pencil.eye is None else (0.0, half * growth / float(sides.min()))
@@ -109,7 +117,7 @@ class ArrayRays:
             room = growing * float(np.linalg.norm(np.maximum(np.abs(low - pencil.eye), np.abs(high - pencil.eye))))
         wider = np.column_stack([planes[:, :3], planes[:, 3] + room])
         with np.errstate(all="ignore"):
-            t, stop, _ = _clipped(o, d, (near, far), wider)
+            t, stop, _ = _clipped(o, d, (np.maximum(ends[0], -np.inf if pencil.eye is None else 0.0), ends[1]), wider)
             step, live, gone = (stop - t) / 2, np.flatnonzero(t < stop), t >= stop
             for _ in range(MOST_BEAM_STEPS):
                 now, length = t[live], np.minimum(step[live], stop[live] - t[live])
@@ -123,7 +131,7 @@ class ArrayRays:
                 step[live] = np.where(out, 2 * length, np.minimum(now + length - t[live], length / 2))
                 gone[live] = t[live] >= stop[live]
                 live = live[~gone[live] & (out | (length >= (side + growth * np.abs(now)) * NEAR))]
-        return np.where(gone, np.inf, t).reshape(pencil.size[::-1])
+        return np.where(gone, np.inf, t)
 
     def rays(
         self,
@@ -311,7 +319,7 @@ def first_root(end: Floats, linear: Floats, quadratic: Floats) -> Floats:
     return np.asarray(np.where(end < 0, found, 0.0))
 
 
-def _clipped(o: Floats, d: Floats, ends: tuple[float, float], planes: Floats) -> tuple[Floats, Floats, Ints]:
+def _clipped(o: Floats, d: Floats, ends: tuple[ArrayLike, ArrayLike], planes: Floats) -> tuple[Floats, Floats, Ints]:
     """Where rays come into the half-spaces and leave them, and by which plane they come."""
     first, last = np.full(len(o), ends[0]), np.full(len(o), ends[1])
     entry = np.full(len(o), -1, np.int64)

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Floats, Shorts
+from rsym.arrays import Floats, Ints, Shorts
 from rsym.backends.kernel import checked_threads
 from rsym.backends.registry import default_backend
 from rsym.errors import RsymError
@@ -152,10 +152,25 @@ class Caster:
         seen = self._kernels.picture(pencil, begin, far, self._planes(chosen), self._constants, self.threads)
         return self._hits(seen, pencil.rays, chosen)
 
-    def starts(self, pencil: Pencil) -> Floats:
+    def starts(
+        self,
+        pencil: Pencil,
+        *,
+        which: Ints | None = None,
+        near: ArrayLike = -np.inf,
+        far: ArrayLike = np.inf,
+        cuts: Iterable[Cut] = (),
+    ) -> Floats:
         """Where beams round the pixels of a pencil (rows, columns) may meet something; inf where nothing can be met.
 
         Proved by enclosures: no body, however thin, is in a pixel with inf.
+
+        Parameters
+        ----------
+        which : (n,) array of int, optional
+            Pixels by number, row by row; then an array (n,).
+        near, far : array_like
+            Where beams begin, and where they end: of each of these pixels.
 
         Examples
         --------
@@ -166,8 +181,12 @@ class Caster:
         >>> np.isfinite(Caster(needle).starts(pencil)).tolist(), Caster(needle).look(pencil).met.tolist()
         ([[False, True, True, False]], [[False, False, False, False]])
         """
-        begin = -np.inf if pencil.eye is None else 0.0
-        return self._kernels.starts(pencil, begin, np.inf, self._planes(()), self._constants, self.threads)
+        width, height = pencil.size
+        pixels = np.arange(width * height) if which is None else which
+        ends = np.broadcast_to(near, pixels.shape), np.broadcast_to(far, pixels.shape)
+        planes = self._planes(as_cuts(cuts))
+        found = self._kernels.starts(pencil, pixels, ends, planes, self._constants, self.threads)
+        return found.reshape(height, width) if which is None else found
 
     @property
     def _fine(self) -> tuple[float, float]:
@@ -224,8 +243,16 @@ class Kernels(Protocol):
     def picture(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Any, threads: int) -> Seen:
         """What the rays of a pencil meet within planes (n, 4), the sides of the bounds first."""
 
-    def starts(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Any, threads: int) -> Floats:
-        """Where beams round the pixels (rows, columns) of a pencil may meet something; inf where they cannot."""
+    def starts(
+        self,
+        pencil: Pencil,
+        which: Ints,
+        ends: tuple[Floats, Floats],
+        planes: Floats,
+        constants: Any,
+        threads: int,
+    ) -> Floats:
+        """Where beams round some pixels of a pencil may meet something between their ends; inf where they cannot."""
 
     def rays(
         self,

@@ -2,7 +2,7 @@
 
 Where a ray goes into and out of each piece is known in closed form, so where it meets the body is, whatever is joined,
 cut out or hollowed to a wall. Some pieces are typed as steep functions or jumps. A picture shows all of the body; a ray
-that is decided meets what it meets, at its depth.
+that is decided meets what it meets, at its depth; and what lies between rays, however thin, is painted.
 
     python tests/opponent/hunt.py pictures --count 2000 --start 1
 """
@@ -14,12 +14,14 @@ import warnings
 
 import numpy as np
 import sympy as sp
+from scipy import ndimage
 
 import rsym
 from rsym import x, y, z
 
 SIZE = (32, 24)
 DEPTH, GRAZE = 1e-7, 1e-9  # of the distance from the eye
+WITHIN = 9  # rays along a side of a pixel that look what is between its middle and its sides
 
 
 class Piece:
@@ -134,10 +136,10 @@ case = Body
 
 def asked(case):
     """A word, and rays that are wrong and not told."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
         try:
-            image = rsym.render(case.shape(), camera=case.camera, size=SIZE)
+            image = rsym.render(case.shape(), camera=case.camera, size=SIZE, background=None)
         except rsym.RsymError as error:
             return error.code, [] if error.code in ("empty", "no-extent") else [str(error)]
     rows, columns = np.indices(image.depth.shape).reshape(2, -1)
@@ -153,7 +155,25 @@ def asked(case):
         f"{len(wrong)} rays, as {columns[k]}, {rows[k]}: depth {found[k]:.9g} for {depth[k]:.9g}" for k in wrong[:1]
     ]
     word = "told" if undecided.any() else "decided"
+    if not any("thinner than a pixel" in str(one.message) for one in told):
+        said += passed_by(case, image)
     return word, said + cut_off(case, image)
+
+
+def passed_by(case, image):
+    """Pixels where the body is between the rays through middles, none of which meet it nearby, and nothing is shown."""
+    columns, rows = ((np.arange(WITHIN * side) + 0.5) / WITHIN - 0.5 for side in SIZE)
+    columns, rows = (one.ravel() for one in np.meshgrid(columns, rows))
+    start, way = image.view.rays(columns, rows)
+    depth, sure = case.first(np.broadcast_to(start, way.shape), np.broadcast_to(way, start.shape))
+    there = np.zeros(SIZE[::-1], np.bool_)
+    met = sure & np.isfinite(depth)
+    there[np.rint(rows[met]).astype(int), np.rint(columns[met]).astype(int)] = True
+    nearby = ndimage.binary_dilation(np.isfinite(image.depth) | image.undecided, np.ones((5, 5)))
+    missing = np.argwhere(there & ~nearby & (np.asarray(image)[..., 3] == 0))
+    return (
+        [f"{len(missing)} pixels are empty, as {missing[0][::-1]}, and hold some of the body"] if len(missing) else []
+    )
 
 
 def cut_off(case, image):

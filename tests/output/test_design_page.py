@@ -17,8 +17,8 @@ from rsym import x, y, z
 from rsym.output.cameras import Viewport
 from rsym.output.design import pages
 from rsym.output.design.pages import DesignPage, page_of
-from rsym.output.rendering import Scene, _lit, developed
-from rsym.output.shading import INSIDE, linear
+from rsym.output.rendering import Scene, _lit
+from rsym.output.shading import INSIDE, developed, linear
 from rsym.paper.models import MODELS, model_path
 from rsym.sampling.rays import Caster
 

@@ -23,7 +23,7 @@ from rsym.sampling.kernels.table_code import leaf_routines
 from rsym.sampling.ray_steps import MOST_BEAM_STEPS, NEAR
 
 BLOCK = (4, 2)  # columns and rows of the eight pixels that march together
-FIRST_STEP = 4.0
+FIRST_STEP, LEAST_STEP = 4.0, 2.0**-10  # of the side of a tile; of what is left of a beam: at an eye tiles are points
 # What matters is asked for the first stretch of a beam, so many sides of a tile long, for there most rays end, and for
 # all of its rest: on the car, of 38 gates, one more takes more than it saves.
 NEAR_DEPTH, STRETCHES = 12.0, 2
@@ -86,12 +86,12 @@ CELLS = {**ROOM, "starts": "ptr"}
 
 
 def beams(s: RayFormulas) -> Routine:
-    """From tile `first` to below `last`, eight at a time: where its beam may meet something, and what matters there.
+    """For the tiles in `which`, eight at a time, between their ends: where a beam may meet something, what matters.
 
-    Of a large form cells tell what matters, as long as the beam is so thin that it stays in what is known of one.
+    For a large form cells tell what matters, as long as the beam is so thin that it stays in what is known of one.
     """
     of_all = CELLS if s.celled else {"nothing": "ptr", **TILES}
-    r = _started("beams", {**COMMON, "columns": "i64", **of_all})
+    r = _started("beams", {**COMMON, "columns": "i64", "which": "ptr", "begins": "ptr", "ends": "ptr", **of_all})
     if s.celled:
         _cells(s, r)
     radius, spread = r.part("radius"), r.part("spread")
@@ -100,7 +100,7 @@ def beams(s: RayFormulas) -> Routine:
         return radius + spread * (abs(t) + step)
 
     with r.loop("%first", "%last", LANES) as i:
-        numbers = [r.emit(f"add i64 {i}, {lane}") for lane in range(LANES)]
+        numbers = [r.load("%which", r.emit(f"add i64 {i}, {lane}"), "i64") for lane in range(LANES)]
         places = []
         for operation in ("urem", "udiv"):
             vector = "poison"
@@ -109,8 +109,14 @@ def beams(s: RayFormulas) -> Routine:
                 vector = r.emit(f"insertelement {DOUBLES} {vector}, double {one}, i32 {lane}")
             places.append(r.value(vector) * float(s.tile) + s.tile / 2)
         r.rays(*places)
+        begins = r.value(r.load("%begins", i))
+        put(r, Row.T, most(get(r, Row.T), begins))
+        put(r, Row.STOP, least(get(r, Row.STOP), r.value(r.load("%ends", i))))
         r.do(f"call void @clip(ptr %state, ptr %planes, i64 %cuts, double {r.scalar('reach')})")
-        put(r, Row.STEP, (get(r, Row.STOP) - get(r, Row.T)) * 0.5)
+        rest = get(r, Row.STOP) - get(r, Row.T)
+        size = (r.part("pixel") + r.part("growth") * abs(get(r, Row.T))) * (s.tile * FIRST_STEP)
+        narrower = begins > float("-inf")  # than a beam that ended there: what may be met is near
+        put(r, Row.STEP, narrower.choose(most(size, rest * LEAST_STEP), rest * 0.5))
         with r.loop("0", f"{MOST_BEAM_STEPS}", 1, lambda: get(r, Row.STATUS).compare("oeq", MARCHING)):
             t, stop, status = get(r, Row.T), get(r, Row.STOP), get(r, Row.STATUS)
             cell, end = cell_of(r, t, "%cells") if s.celled else (t, stop)

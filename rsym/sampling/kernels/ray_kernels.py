@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.interpreter import interpret, interpret_nodes
@@ -40,14 +40,14 @@ _POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int64
 _COMMON = (_INTEGER, _INTEGER, _POINTER, _POINTER, _INTEGER, _POINTER)
 _OUT = (*[_POINTER] * 4, _INTEGER)
 _SIGNATURES: dict[str, tuple[Any, ...]] = {
-    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 4),
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 7),
     "picture": (*_COMMON, _INTEGER, *[_POINTER] * 3, *_OUT, _INTEGER),
     "probe": (*[_POINTER] * 4,),
     "rays": (*_COMMON, *[_POINTER] * 3, *_OUT),
 }
 # Of large forms.
 _CELLED: dict[str, tuple[Any, ...]] = {
-    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 2),
+    "beams": (*_COMMON, _INTEGER, *[_POINTER] * 5),
     "cells": (_INTEGER, _INTEGER, *[_POINTER] * 4, _INTEGER),
     "picture": (*_COMMON, _INTEGER, *[_POINTER] * 2, *_OUT, _INTEGER),
     "probe": (*[_POINTER] * 5,),
@@ -59,6 +59,7 @@ _CELLED: dict[str, tuple[Any, ...]] = {
 CELLS, MOST_CELLS, MOST_ASKED = 4, 32, 5e7
 # Of the shortest side of a cell: how far it reaches into the next ones; beams as wide as that march by cells.
 NEXT = 0.15
+BEAMS = 1 << 16  # cast at once: what matters to each takes some bytes
 MOST_LEAVES = 32_000  # numbers of leaves, sides of the bounds and cuts have 16 bits
 SCALE_POINTS = 64
 _JOINS: dict[str, Callable[..., Floats]] = {"min": np.minimum, "max": np.maximum}
@@ -238,7 +239,8 @@ class RayKernels:
         tile = self.formulas.tile
         rows, columns = -(-height // tile), -(-width // tile)
         tiles, pool = rows * columns, Crowd(threads)
-        common, of_tiles = self._beams(pencil, near, far, planes, constants, pool, (rows, columns))
+        every = _padded((np.arange(tiles), -np.inf, np.inf))
+        common, of_tiles = self._beams(pencil, near, far, planes, constants, pool, columns, *every)
         shape = rows * tile, columns * tile
         seen = Seen(np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8))
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
@@ -247,13 +249,22 @@ class RayKernels:
         return Seen(seen.depth[part], seen.leaf[part], seen.normal[(np.s_[:], *part)], seen.doubt[part])
 
     def starts(
-        self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Floats, threads: int
+        self,
+        pencil: Pencil,
+        which: Ints,
+        ends: tuple[Floats, Floats],
+        planes: Floats,
+        constants: Floats,
+        threads: int,
     ) -> Floats:
-        """Where beams round the pixels (rows, columns) of a pencil may meet something; inf where they cannot."""
-        tiles = pencil.part((0, 0), 1 / self.formulas.tile, pencil.size)
-        shape = pencil.size[::-1]
-        _, of_tiles = self._beams(tiles, near, far, planes, constants, Crowd(threads), shape)
-        return of_tiles[0][: shape[0] * shape[1]].reshape(shape)
+        """Where beams round some pixels of a pencil may meet something between their ends; inf where they cannot."""
+        tiles, found = pencil.part((0, 0), 1 / self.formulas.tile, pencil.size), np.empty(len(which))
+        near = -np.inf if pencil.eye is None else 0.0
+        for part in (slice(k, k + BEAMS) for k in range(0, len(which), BEAMS)):
+            some = _padded((which[part], ends[0][part], ends[1][part]))
+            _, of_tiles = self._beams(tiles, near, np.inf, planes, constants, Crowd(threads), pencil.size[0], *some)
+            found[part] = of_tiles[0][: len(found[part])]
+        return found
 
     def _beams(
         self,
@@ -263,19 +274,20 @@ class RayKernels:
         planes: Floats,
         constants: Floats,
         pool: Crowd,
-        shape: tuple[int, int],
+        columns: int,
+        *some: Any,
     ) -> tuple[tuple[Any, ...], tuple[Floats, ...]]:
-        """Cast a beam for each tile of a pencil (rows, columns); what it was cast with, and what is known of tiles."""
-        tiles, words = shape[0] * shape[1], self.formulas.words
+        """Cast beams for some tiles, by number, begin and end; what they were cast with, and what is known of them."""
+        tiles, words = len(some[0]), self.formulas.words
         camera = _camera(pencil, near, far, planes, self.formulas.tile)
-        common = (camera, planes, len(planes), constants, shape[1])
-        starts, nothing = np.empty(tiles + LANES), np.zeros(words, np.uint64)
+        common = (camera, planes, len(planes), constants, columns)
+        starts, nothing = np.empty(tiles), np.zeros(words, np.uint64)
         of_tiles: tuple[Floats, ...] = (starts,)
         if not self.formulas.celled:
-            of_tiles = (starts, np.empty(tiles + LANES), np.empty((tiles + LANES) * STRETCHES * words, np.uint64))
+            of_tiles = (starts, np.empty(tiles), np.empty(tiles * STRETCHES * words, np.uint64))
         before = self._room if self.formulas.celled else lambda: (nothing,)
         beam = -(-tiles // (LANES * pool.threads * 4)) * LANES
-        pool.run(lambda a, b: self._call("beams", a, b, *common, *before(), *of_tiles), tiles, beam)
+        pool.run(lambda a, b: self._call("beams", a, b, *common, *some, *before(), *of_tiles), tiles, beam)
         return common, of_tiles
 
     def rays(
@@ -310,6 +322,14 @@ class RayKernels:
 
     def _call(self, name: str, *arguments: Any) -> None:
         self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
+
+
+def _padded(some: tuple[Ints, ArrayLike, ArrayLike]) -> tuple[Ints, Floats, Floats]:
+    """Numbers, begins and ends of beams, in whole vectors: what fills these up begins nowhere."""
+    which, begins, ends = some
+    number, near, far = (np.full(padded(len(which)), fill) for fill in (0, np.inf, np.inf))
+    number[: len(which)], near[: len(which)], far[: len(which)] = which, begins, ends
+    return number, near, far
 
 
 def _lengths(vectors: Floats) -> Floats:

@@ -50,8 +50,8 @@ NOTICE = "compiling the mesher's loops, once on this machine: some six seconds"
 HOW = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}  # no C code calls a loop: a tenth of the time
 MAKERS = {"empty", "zeros", "full", "arange"}
 KIND = "loops"
-# Vectors of 512 bits are what LLVM 20 and 22 choose for processors of kinds znver4 and znver5 alone, and there they turn
-# int64 into int8 wrongly: of `signs[k] = -turned[k]` for 32 leaves and more, the bytes of others came out as zero.
+# LLVM 20 and 22 choose vectors of 512 bits for processors of kinds znver4 and znver5 alone, and there they turn int64
+# into int8 wrongly: of `signs[k] = -turned[k]` for 32 leaves and more, the bytes of others came out as zero.
 WIDTH = '"prefer-vector-width"="256"'
 _COMPILED = itertools.count(1)
 
