@@ -23,8 +23,8 @@ from rsym.logic.sign_form import SignForm
 from rsym.logic.weights import weight
 from rsym.model.shape import Bounds, Shape
 from rsym.program.differentiation import gradient
+from rsym.sampling.active_leaves import active_leaf
 from rsym.sampling.form_signs import Boxes, grid, halves
-from rsym.sampling.plane_leaves import active_leaf
 
 GRID = {2: 16, 3: 8}  # boxes along each axis
 # Halvings: corners of the plane lie 1e6 boxes apart at the end, edges in space some two hundred points from each other.

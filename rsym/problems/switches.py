@@ -28,7 +28,7 @@ from rsym.problems.even_switches import evened, evened_between, unexplained
 from rsym.problems.meetings import Places
 from rsym.problems.pointwise import PointFormulas, compiled
 from rsym.program.lowering import lower
-from rsym.sampling.plane_leaves import active_leaf
+from rsym.sampling.active_leaves import active_leaf
 from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.quadrature import Quadrature, prepared
 from rsym.sampling.windows import bounds_or_extent

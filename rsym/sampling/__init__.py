@@ -4,9 +4,9 @@ In come shapes and compiled kernels, out come arrays with what is known of them.
 
 - `extent`, `form_signs`: a box that holds the boundary, proved; `windows`: where to look; `lattice`: a lattice over it
 - `memory`, `progress`: what is refused before it is taken; reports, cancels, time limits; `compiled`: loops
-- in the plane: `plane`, `plane_regions`, `isolines`, `contours` and `level_lines`, `plane_leaves`, `roots`, `outlines`,
-  `boundaries`, `combs`, `sections`; `unseen`, `cut_cells`: what is thinner than a cell; `blanks`, `undefined`: where a
-  picture of nothing would show something, where omega has no value
+- in the plane: `plane`, `plane_regions`, `isolines`, `contours` and `level_lines`, `plane_leaves`, `active_leaves`,
+  `roots`, `outlines`, `boundaries`, `combs`, `sections`; `unseen`, `cut_cells`: what is thinner than a cell; `blanks`,
+  `undefined`: where a picture of nothing would show something, where omega has no value
 - `fillings`: the inside in triangles, or in space in tetrahedra, up to the boundary
 - in space: `meshing` (`rsym.mesh`), `mesher` with `sharp/`, `kernels/` and, for large shapes, `regions/`, or
   `smooth` by marching cubes with `detail`

@@ -23,8 +23,8 @@ from rsym.model.shape import Shape
 from rsym.program.calculus import Calculus
 from rsym.program.differentiation import derivative
 from rsym.program.fields import outputs_of
+from rsym.sampling.active_leaves import active_leaf, ends_last
 from rsym.sampling.mesh import Mesh
-from rsym.sampling.plane_leaves import active_leaf
 
 BY_LETTER = "by_letter"  # the derivative by a letter, beside the fields
 NEWTON_STEPS = 3
@@ -118,6 +118,15 @@ class LeafFields:
     def active(self, points: Floats) -> Integers:
         """The leaf that gives omega its sign at points (n, 3)."""
         return active_leaf(self.form.gates, self.values(points))[1]
+
+    def bounding(self, points: Floats) -> Integers:
+        """The same on the boundary: an end of a domain only where no other leaf is zero."""
+        walls = np.array(sorted(self.form.walls), np.int64)
+        values = np.array(np.broadcast_arrays(*self.values(points)))
+        gradients = np.zeros((*values.shape, 3))
+        for wall in walls.tolist():
+            gradients[wall] = self.at(np.full(len(points), wall), points)["gradient"]
+        return active_leaf(self.form.gates, ends_last(values, gradients, walls, points))[1]
 
     def values(self, points: Floats) -> list[Floats]:
         """The values of the leaves at points (n, 3)."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,12 +14,13 @@ from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.backends.registry import ready_backend
 from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.lifting import unfolded
-from rsym.logic.sign_form import Gate, SignForm, has_kinks, shape_form, sign_form, through
+from rsym.logic.sign_form import SignForm, has_kinks, shape_form, sign_form, through
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import real_symbol
 from rsym.program.differentiation import derivative
 from rsym.program.lowering import lower
+from rsym.sampling.active_leaves import active_leaf, ends_last
 from rsym.sampling.contours import ON_LEVEL
 from rsym.sampling.form_signs import Signs, joined_signs, signs_between
 from rsym.sampling.plane import large_form
@@ -187,14 +188,15 @@ class PlaneLeaves:
                 yield value, gradient
 
     def of_active(self, points: Floats) -> tuple[Floats, Floats, Ints]:
-        """Value and gradient of the leaf that gives the value of the form, and which it is."""
+        """Value and gradient of the leaf that gives the value of the form, and which it is: an end of a domain last."""
         if self._large is not None:
             _, leaf = self.active(points)
             ((value, gradient),) = self.of(points, leaf)
             return value, gradient, leaf
         values, gradients = self._every(points)
-        value, leaf = active_leaf(self.form.gates, values[: self.count])
-        return value, gradients[leaf, np.arange(len(points))], leaf
+        leaf = active_leaf(self.form.gates, ends_last(values[: self.count], gradients, self.walls, points))[1]
+        at = np.arange(len(points))
+        return values[leaf, at], gradients[leaf, at], leaf
 
     def distance(self, points: Floats) -> tuple[Floats, Ints]:
         """How far the zero of the active leaf is, to first order, and which leaf it is."""
@@ -328,17 +330,6 @@ def _products(one: Floats, other: Floats) -> tuple[Floats, Floats]:
     """The ends of products of intervals (2, n)."""
     ends = (one[:, None] * other).reshape(4, -1)
     return ends.min(axis=0), ends.max(axis=0)
-
-
-def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tuple[Floats, Ints]:
-    """The values of a form whose leaves have the values (leaves, n), and the number of the leaf that gives each."""
-
-    def join(gate: Gate, one: tuple[Floats, Ints], other: tuple[Floats, Ints]) -> tuple[Floats, Ints]:
-        (f, i), (g, j) = one, other
-        take = f <= g if gate.operation == "min" else f >= g
-        return np.where(take, f, g), np.where(take, i, j)
-
-    return through(gates, [(row, np.full(len(row), k)) for k, row in enumerate(values)], join)[-1]
 
 
 def leaves_of(

@@ -23,7 +23,7 @@ from rsym.model.wording import proposal
 from rsym.sampling.extent import proved_signs
 from rsym.sampling.form_signs import Boxes, FormSigns, halves
 from rsym.sampling.labels import BOUNDARY, Labeller, Labels
-from rsym.sampling.leaf_fields import LeafFields, distances
+from rsym.sampling.leaf_fields import LeafFields, distances, longest_side
 from rsym.sampling.memory import Budget, TooLarge, free_memory
 from rsym.sampling.meshing import mesh
 from rsym.sampling.outlines import outline
@@ -289,10 +289,11 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
     box = bounds_or_extent(shape, bounds, letters)
     body = mesh(shape, resolution, bounds=box, letters=letters, cap=False)
     fields = LeafFields(shape, ("mean_curvature",), letters)
-    on_faces = fields.on_faces(body)
-    middles = body.vertices[body.faces].mean(axis=1)
+    on_faces, middles = fields.on_faces(body), body.vertices[body.faces].mean(axis=1)
     leaf = fields.active(middles) if body.leaf is None else body.leaf
-    walls = [*fields.form.walls]
+    walls, leaf = [*fields.form.walls], leaf.copy()
+    if (ends := np.isin(leaf, walls)).any():
+        leaf[ends] = fields.bounding(fields.at(leaf[ends], middles[ends], longest_side(body))["point"])
     label = body.called if callable(body.called) else Labeller(shape, letters)
     a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
     areas = np.linalg.norm(flat := np.cross(b - a, c - a), axis=1)
@@ -303,14 +304,13 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
         one, two = np.sqrt(generator.random(count)), generator.random(count)
         weights = np.stack([1 - one, one * (1 - two), one * two], axis=1)
         start = np.einsum("ij,ijk->ik", weights, body.vertices[body.faces[faces]])
-        found = on_faces(faces, weights)
-        plane = flat[faces] / areas[faces][:, None]
+        found, plane = on_faces(faces, weights), flat[faces] / areas[faces][:, None]
         with np.errstate(all="ignore"):
             normals = -found["gradient"] / np.linalg.norm(found["gradient"], axis=1)[:, None]
             off = np.einsum("ij,ij->i", start - found["point"], normals)
             stretch = np.einsum("ij,ij->i", normals, plane) / (1 + 2 * found["mean_curvature"] * off)
         normals = np.where(np.isfinite(normals).all(axis=1)[:, None], normals, plane)
-        active = fields.active(found["point"])  # chords at a hollow edge lie off it
+        active = fields.bounding(found["point"])  # chords at a hollow edge lie off it
         away = np.where(np.isin(active, walls), np.inf, distances(fields.at(active, found["point"])))
         kept = _kept(stretch, found["point"], away, box, generator)
         there = label(found["point"][kept], leaf[faces[kept]])
@@ -328,11 +328,11 @@ def _on_lines(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, re
     leaves.form.require_traced()
     lines = [np.empty((0, 2)), *outline(sampler, leaves)]
     start, end = (np.concatenate([line[part] for line in lines]) for part in (slice(None, -1), slice(1, None)))
-    along = end - start
-    length = np.hypot(*along.T)
-    leaf = leaves.active(start + along / 2)[1]
-    label = Labeller(shape, letters)
-    shares = np.cumsum(np.where(_wanted(shape, label(start + along / 2, leaf), over), length, 0.0))
+    along, middles = end - start, (start + end) / 2
+    length, leaf, label = np.hypot(*along.T), leaves.active(middles)[1], Labeller(shape, letters)
+    if (ends := np.isin(leaf, leaves.walls)).any():
+        leaf[ends] = leaves.of_active(leaves.slide(middles[ends], leaf[ends]))[2]
+    shares = np.cumsum(np.where(_wanted(shape, label(middles, leaf), over), length, 0.0))
     with np.errstate(all="ignore"):
         across = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]  # the outside is to the right
 

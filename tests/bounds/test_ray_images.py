@@ -15,8 +15,8 @@ from rsym.paper.models import MODELS as SHIPPED
 from rsym.paper.models import model_path
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import PRECISIONS
+from rsym.sampling.active_leaves import active_leaf
 from rsym.sampling.leaf_fields import LeafFields
-from rsym.sampling.plane_leaves import active_leaf
 
 MODELS, PLACES = 1000, 5
 OTHERS = {"square": 1, "inverse": 1, "select_cautious": 4, "norm_share": 3, "gap_share": 2}

@@ -323,3 +323,25 @@ def test_the_inner_side_of_a_shell_stays_where_it_is_if_the_outer_one_is_the_end
     away = [outer - (2.013 - 11 / 16), outer - (2.017 - 15 / 16)]
     cut = sum(math.pi * h**2 * (3 * outer - h) / 3 for h in away)
     assert mesh.volume == pytest.approx(4 / 3 * math.pi * (outer**3 - inner**3) - cut, rel=6 / cells**2)
+
+
+@pytest.mark.parametrize("other", ["log(2 - r)", "1 - sqrt(r)", "1 - r**2"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_where_a_domain_ends_on_a_face_of_another_formula_the_face_bounds(dimension, other):
+    """So for lines and for samples, however the face is written: they have one zero, to rounding."""
+    coordinates = (x, y, z)[:dimension]
+    square = sum(one**2 for one in coordinates)
+    face = {"log(2 - r)": sp.log(2 - square), "1 - sqrt(r)": 1 - sp.sqrt(square), "1 - r**2": 1 - square**2}[other]
+    body = rsym.Shape(sp.sqrt(1 - square) + sp.Rational(1, 2), coordinates) & rsym.Shape(face, coordinates)
+    body = body.replace(bounds=((-2, 2),) * dimension)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rsym.RsymWarning)  # of what has no value beyond
+        points = np.asarray(rsym.sample(body, 4000, over="boundary", rng=1).points)
+        lines = rsym.level_lines(body) if dimension == 2 else ()
+    assert np.abs(np.linalg.norm(points, axis=1) - 1).max() < 1e-12
+    below = np.count_nonzero(points[:, -1] < -0.75) / len(points)
+    share = np.arccos(0.75) / np.pi if dimension == 2 else 0.125
+    assert abs(below - share) < 5 * np.sqrt(share * (1 - share) / len(points))
+    for line in lines:
+        assert (line[0] == line[-1]).all()
+    assert len(lines) == (dimension == 2)
