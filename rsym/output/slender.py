@@ -1,7 +1,7 @@
 """What is thinner than a pixel: rays through the middles of pixels may pass it, beams round whole pixels do not.
 
 A beam ends where its model no longer proves that all of it is outside of the body. Where that is well before all that
-the rays nearby have met, the beam is divided, down to a 16th of a pixel, until nothing can be there or a ray through
+the rays nearby have met, the beam is divided, down to a 64th of a pixel, until nothing can be there or a ray through
 the middle of a part meets it.
 """
 

@@ -23,14 +23,12 @@ def active_leaf(gates: Sequence[Gate], values: Sequence[Floats] | Floats) -> tup
     return through(gates, [(row, np.full(len(row), k)) for k, row in enumerate(values)], join)[-1]
 
 
-def ends_last(values: Floats, gradients: Floats, walls: Ints, points: Floats) -> Floats:
+def ends_last(values: Floats, walls: Ints, slopes: Floats, points: Floats) -> Floats:
     """Values (leaves, n) by which ends of domains are not active where another leaf is zero as well, to rounding.
 
-    There that leaf bounds, and what has no value beyond is not asked.
+    There that leaf bounds, and what has no value beyond is not asked. `slopes` are the gradients of the ends alone.
     """
-    if not len(walls):
-        return values
     later = values.copy()
     with np.errstate(all="ignore"):
-        later[walls] += SAME * np.abs(points).max(initial=0.0) * np.linalg.norm(gradients[walls], axis=-1)
+        later[walls] += SAME * np.abs(points).max(initial=0.0) * np.linalg.norm(slopes, axis=-1)
     return later

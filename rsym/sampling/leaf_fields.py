@@ -121,12 +121,12 @@ class LeafFields:
 
     def bounding(self, points: Floats) -> Integers:
         """The same on the boundary: an end of a domain only where no other leaf is zero."""
+        if not self.form.walls:
+            return self.active(points)
         walls = np.array(sorted(self.form.walls), np.int64)
         values = np.array(np.broadcast_arrays(*self.values(points)))
-        gradients = np.zeros((*values.shape, 3))
-        for wall in walls.tolist():
-            gradients[wall] = self.at(np.full(len(points), wall), points)["gradient"]
-        return active_leaf(self.form.gates, ends_last(values, gradients, walls, points))[1]
+        slopes = np.array([self.at(np.full(len(points), wall), points)["gradient"] for wall in walls])
+        return active_leaf(self.form.gates, ends_last(values, walls, slopes, points))[1]
 
     def values(self, points: Floats) -> list[Floats]:
         """The values of the leaves at points (n, 3)."""

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rsym.arrays import Floats
+from rsym.arrays import Floats, Ints
 from rsym.errors import RsymError
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -111,6 +111,14 @@ class Pencil:
         along = places - np.array(self.eye)
         lengths = np.sqrt(np.einsum("...k,...k->...", along, along))
         return np.broadcast_to(np.array(self.eye), places.shape), along / lengths[..., None]
+
+
+class Beams(NamedTuple):
+    """Beams round some pixels of a pencil: the numbers of these, row by row, and where each begins and ends."""
+
+    which: Ints
+    near: Floats
+    far: Floats
 
 
 @dataclass(frozen=True)

@@ -194,8 +194,10 @@ class PlaneLeaves:
             ((value, gradient),) = self.of(points, leaf)
             return value, gradient, leaf
         values, gradients = self._every(points)
-        leaf = active_leaf(self.form.gates, ends_last(values[: self.count], gradients, self.walls, points))[1]
-        at = np.arange(len(points))
+        by = values[: self.count]
+        if len(self.walls):
+            by = ends_last(by, self.walls, gradients[self.walls], points)
+        leaf, at = active_leaf(self.form.gates, by)[1], np.arange(len(points))
         return values[leaf, at], gradients[leaf, at], leaf
 
     def distance(self, points: Floats) -> tuple[Floats, Ints]:

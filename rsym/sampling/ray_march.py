@@ -17,7 +17,7 @@ from rsym.logic.sign_form import Gate, through
 from rsym.model.shape import Bounds
 from rsym.sampling.hits import Seen
 from rsym.sampling.leaf_fields import LeafFields
-from rsym.sampling.pencils import Pencil
+from rsym.sampling.pencils import Beams, Pencil
 from rsym.sampling.ray_steps import (
     ALIKE,
     CROSSING,
@@ -96,17 +96,9 @@ class ArrayRays:
         seen = self.rays(origins, directions, (near, far), pencil.pixel, planes, constants, threads)
         return seen.reshaped(pencil.size[::-1])
 
-    def starts(
-        self,
-        pencil: Pencil,
-        which: Ints,
-        ends: tuple[Floats, Floats],
-        planes: Floats,
-        constants: MarchLetters,
-        threads: int,
-    ) -> Floats:
-        """Where beams round some pixels of a pencil may meet something between their ends; inf where they cannot."""
-        row, column = np.divmod(which, pencil.size[0])
+    def starts(self, pencil: Pencil, beams: Beams, planes: Floats, constants: MarchLetters, threads: int) -> Floats:
+        """Where beams may meet something; inf where they cannot."""
+        row, column = np.divmod(beams.which, pencil.size[0])
         o, d = pencil.rays(column + 0.5, row + 0.5)
         sides, (side, growth) = np.linalg.norm([pencil.across, pencil.down], axis=1), pencil.pixel
         half = float(np.hypot(*sides)) / 2 * 1.001  # a little more for what rounding loses
@@ -117,7 +109,8 @@ class ArrayRays:
             room = growing * float(np.linalg.norm(np.maximum(np.abs(low - pencil.eye), np.abs(high - pencil.eye))))
         wider = np.column_stack([planes[:, :3], planes[:, 3] + room])
         with np.errstate(all="ignore"):
-            t, stop, _ = _clipped(o, d, (np.maximum(ends[0], -np.inf if pencil.eye is None else 0.0), ends[1]), wider)
+            near = np.maximum(beams.near, -np.inf if pencil.eye is None else 0.0)
+            t, stop, _ = _clipped(o, d, (near, beams.far), wider)
             step, live, gone = (stop - t) / 2, np.flatnonzero(t < stop), t >= stop
             for _ in range(MOST_BEAM_STEPS):
                 now, length = t[live], np.minimum(step[live], stop[live] - t[live])

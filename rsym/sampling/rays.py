@@ -22,7 +22,7 @@ from rsym.sampling.form_signs import check_parameters
 from rsym.sampling.hits import Hits, Rays, Seen
 from rsym.sampling.labels import Labeller, Labels
 from rsym.sampling.leaf_fields import SIDES, LeafFields
-from rsym.sampling.pencils import Cut, Pencil, as_cuts
+from rsym.sampling.pencils import Beams, Cut, Pencil, as_cuts
 from rsym.sampling.ray_march import ArrayRays
 from rsym.sampling.windows import bounds_or_extent
 
@@ -183,9 +183,9 @@ class Caster:
         """
         width, height = pencil.size
         pixels = np.arange(width * height) if which is None else which
-        ends = np.broadcast_to(near, pixels.shape), np.broadcast_to(far, pixels.shape)
+        beams = Beams(pixels, *(np.broadcast_to(np.asarray(end, np.float64), pixels.shape) for end in (near, far)))
         planes = self._planes(as_cuts(cuts))
-        found = self._kernels.starts(pencil, pixels, ends, planes, self._constants, self.threads)
+        found = self._kernels.starts(pencil, beams, planes, self._constants, self.threads)
         return found.reshape(height, width) if which is None else found
 
     @property
@@ -243,16 +243,8 @@ class Kernels(Protocol):
     def picture(self, pencil: Pencil, near: float, far: float, planes: Floats, constants: Any, threads: int) -> Seen:
         """What the rays of a pencil meet within planes (n, 4), the sides of the bounds first."""
 
-    def starts(
-        self,
-        pencil: Pencil,
-        which: Ints,
-        ends: tuple[Floats, Floats],
-        planes: Floats,
-        constants: Any,
-        threads: int,
-    ) -> Floats:
-        """Where beams round some pixels of a pencil may meet something between their ends; inf where they cannot."""
+    def starts(self, pencil: Pencil, beams: Beams, planes: Floats, constants: Any, threads: int) -> Floats:
+        """Where beams may meet something; inf where they cannot."""
 
     def rays(
         self,

@@ -290,8 +290,8 @@ def _on_surface(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, 
     body = mesh(shape, resolution, bounds=box, letters=letters, cap=False)
     fields = LeafFields(shape, ("mean_curvature",), letters)
     on_faces, middles = fields.on_faces(body), body.vertices[body.faces].mean(axis=1)
-    leaf = fields.active(middles) if body.leaf is None else body.leaf
-    walls, leaf = [*fields.form.walls], leaf.copy()
+    leaf = fields.active(middles) if body.leaf is None else body.leaf.copy()
+    walls = [*fields.form.walls]
     if (ends := np.isin(leaf, walls)).any():
         leaf[ends] = fields.bounding(fields.at(leaf[ends], middles[ends], longest_side(body))["point"])
     label = body.called if callable(body.called) else Labeller(shape, letters)

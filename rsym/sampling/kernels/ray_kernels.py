@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.interpreter import interpret, interpret_nodes
@@ -32,7 +32,7 @@ from rsym.sampling.kernels.picture_code import (
 )
 from rsym.sampling.kernels.ray_code import RayFormulas
 from rsym.sampling.kernels.routines import LANES
-from rsym.sampling.pencils import Pencil
+from rsym.sampling.pencils import Beams, Pencil
 from rsym.sampling.ray_steps import ALIKE
 
 Words: TypeAlias = NDArray[np.uint64]  # a bit for each operand of each gate that does not matter
@@ -59,7 +59,7 @@ _CELLED: dict[str, tuple[Any, ...]] = {
 CELLS, MOST_CELLS, MOST_ASKED = 4, 32, 5e7
 # Of the shortest side of a cell: how far it reaches into the next ones; beams as wide as that march by cells.
 NEXT = 0.15
-BEAMS = 1 << 16  # cast at once: what matters to each takes some bytes
+AT_ONCE = 1 << 16  # beams: what matters to each takes some bytes
 MOST_LEAVES = 32_000  # numbers of leaves, sides of the bounds and cuts have 16 bits
 SCALE_POINTS = 64
 _JOINS: dict[str, Callable[..., Floats]] = {"min": np.minimum, "max": np.maximum}
@@ -239,8 +239,8 @@ class RayKernels:
         tile = self.formulas.tile
         rows, columns = -(-height // tile), -(-width // tile)
         tiles, pool = rows * columns, Crowd(threads)
-        every = _padded((np.arange(tiles), -np.inf, np.inf))
-        common, of_tiles = self._beams(pencil, near, far, planes, constants, pool, columns, *every)
+        every = Beams(np.arange(tiles), np.full(tiles, -np.inf), np.full(tiles, np.inf))
+        common, of_tiles = self._beams(pencil, columns, every, (near, far), planes, constants, pool)
         shape = rows * tile, columns * tile
         seen = Seen(np.empty(shape), np.empty(shape, np.int16), np.empty((3, *shape)), np.empty(shape, np.uint8))
         out = (seen.depth, seen.leaf, seen.normal, seen.doubt, shape[1], shape[0] * shape[1])
@@ -248,38 +248,30 @@ class RayKernels:
         part = np.s_[:height, :width]
         return Seen(seen.depth[part], seen.leaf[part], seen.normal[(np.s_[:], *part)], seen.doubt[part])
 
-    def starts(
-        self,
-        pencil: Pencil,
-        which: Ints,
-        ends: tuple[Floats, Floats],
-        planes: Floats,
-        constants: Floats,
-        threads: int,
-    ) -> Floats:
-        """Where beams round some pixels of a pencil may meet something between their ends; inf where they cannot."""
-        tiles, found = pencil.part((0, 0), 1 / self.formulas.tile, pencil.size), np.empty(len(which))
-        near = -np.inf if pencil.eye is None else 0.0
-        for part in (slice(k, k + BEAMS) for k in range(0, len(which), BEAMS)):
-            some = _padded((which[part], ends[0][part], ends[1][part]))
-            _, of_tiles = self._beams(tiles, near, np.inf, planes, constants, Crowd(threads), pencil.size[0], *some)
-            found[part] = of_tiles[0][: len(found[part])]
+    def starts(self, pencil: Pencil, beams: Beams, planes: Floats, constants: Floats, threads: int) -> Floats:
+        """Where beams may meet something; inf where they cannot."""
+        tiles, found = pencil.part((0, 0), 1 / self.formulas.tile, pencil.size), np.empty(len(beams.which))
+        ends = -np.inf if pencil.eye is None else 0.0, np.inf
+        for part in (slice(k, k + AT_ONCE) for k in range(0, len(found), AT_ONCE)):
+            some = Beams(beams.which[part], beams.near[part], beams.far[part])
+            _, of_tiles = self._beams(tiles, pencil.size[0], some, ends, planes, constants, Crowd(threads))
+            found[part] = of_tiles[0][: len(some.which)]
         return found
 
     def _beams(
         self,
         pencil: Pencil,
-        near: float,
-        far: float,
+        columns: int,
+        beams: Beams,
+        ends: tuple[float, float],
         planes: Floats,
         constants: Floats,
         pool: Crowd,
-        columns: int,
-        *some: Any,
     ) -> tuple[tuple[Any, ...], tuple[Floats, ...]]:
-        """Cast beams for some tiles, by number, begin and end; what they were cast with, and what is known of them."""
-        tiles, words = len(some[0]), self.formulas.words
-        camera = _camera(pencil, near, far, planes, self.formulas.tile)
+        """Cast beams round tiles, of which a row has so many; what they were cast with, and what is known of tiles."""
+        some, words = _in_vectors(beams), self.formulas.words
+        tiles = len(some.which)
+        camera = _camera(pencil, *ends, planes, self.formulas.tile)
         common = (camera, planes, len(planes), constants, columns)
         starts, nothing = np.empty(tiles), np.zeros(words, np.uint64)
         of_tiles: tuple[Floats, ...] = (starts,)
@@ -324,12 +316,11 @@ class RayKernels:
         self._functions[name](*(a.ctypes.data if isinstance(a, np.ndarray) else a for a in arguments))
 
 
-def _padded(some: tuple[Ints, ArrayLike, ArrayLike]) -> tuple[Ints, Floats, Floats]:
-    """Numbers, begins and ends of beams, in whole vectors: what fills these up begins nowhere."""
-    which, begins, ends = some
-    number, near, far = (np.full(padded(len(which)), fill) for fill in (0, np.inf, np.inf))
-    number[: len(which)], near[: len(which)], far[: len(which)] = which, begins, ends
-    return number, near, far
+def _in_vectors(beams: Beams) -> Beams:
+    """Beams in whole vectors: those that fill them up begin nowhere."""
+    more = 0, padded(len(beams.which)) - len(beams.which)
+    near, far = (np.pad(one, more, constant_values=np.inf) for one in (beams.near, beams.far))
+    return Beams(np.pad(beams.which, more), near, far)
 
 
 def _lengths(vectors: Floats) -> Floats:
