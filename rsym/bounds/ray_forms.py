@@ -22,7 +22,8 @@ from rsym.bounds.box_images import Definedness, is_decisive
 from rsym.bounds.ray_images import IMAGES
 from rsym.bounds.ray_models import RayArithmetic, RayModel
 from rsym.bounds.relations import relation
-from rsym.logic.sign_form import Gate, SignForm
+from rsym.logic.gates import Gate
+from rsym.logic.sign_form import SignForm
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand
 from rsym.program.operations import OPERATIONS

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from rsym.arrays import Floats
 from rsym.backends.registry import CompiledFunction, make_function
 from rsym.bounds.ray_forms import MODEL, RayForm, RayValue, input_names
-from rsym.logic.sign_form import through
+from rsym.logic.gates import through
 
 Parts = Sequence[NDArray[Any]]  # low, high, linear, quadratic
 ROUNDED = 2.0**-51  # of the terms of a point on a ray, in float64

@@ -3,6 +3,7 @@
 In comes a shape or a node of a program; out go its leaves, the gates that join them, and formulas of signs.
 
 - `stripping`: a node without what does not change its zeros: negations, factors of one sign, odd powers, what rises
+- `gates`: minima and maxima of two, in the order of evaluation
 - `sign_form`: a shape as leaves and gates, for the sign a min or a max of two, for the mesher and for sections
 - `domains`: where leaves have a value: their domains as leaves beside leaves that always have one
 - `steps`: leaves that jump as gates, the condition one of their leaves

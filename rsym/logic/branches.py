@@ -19,9 +19,10 @@ from types import MappingProxyType
 
 from rsym.logic.choices import sides
 from rsym.logic.domains import replaced
+from rsym.logic.gates import gate_of
 from rsym.logic.lifting import CHOICES, TURNED, choices_in, lifted
 from rsym.logic.radicals import Parted, odd_powers, root_parted
-from rsym.logic.sign_form import gate_of, stripped
+from rsym.logic.sign_form import stripped
 from rsym.logic.steps import chosen_gate
 from rsym.logic.stripping import constant_sign, even_root, sign_gate, unscaled
 from rsym.program.builder import Builder

@@ -66,7 +66,7 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
         if unscaled(builder, domain) in known:
             return made
         builder.walls.setdefault(domain, {})[total] = limit
-        return sign_gate(builder, "min", domain if free is None else builder.make("max", domain, free), made)
+        return ended(builder, domain if free is None else builder.make("max", domain, free), made)
 
     if (solved := _solved(builder, leaf, ends, walled)) is not None:
         return solved
@@ -79,18 +79,30 @@ def bounded(builder: Builder, leaf: int, guards: Collection[int] = ()) -> int:
     return made
 
 
-def keep_walls(builder: Builder, leaves: Sequence[int], stripped: Callable[[int], Sequence[int]]) -> None:
-    """Know the walls among the leaves of a form again: positive factors are stripped of them, and some have gates.
+def ended(builder: Builder, domain: int, made: int) -> int:
+    """The minimum of a domain and what counts in it, for the sign alone; the builder knows that it ends there.
 
-    A leaf that is a face too, written otherwise there, is no wall.
+    So it does where that is positive everywhere: the minimum of the domain and 1.
     """
+    value = builder.value(made)
+    gate = builder.make("min", domain, made if value is None else builder.const(1))
+    simple = sign_gate(builder, "min", domain, made)
+    if simple not in {gate, domain} or (value is None and simple == domain):
+        return simple
+    builder.ending[gate] = domain
+    return gate
+
+
+def keep_walls(
+    builder: Builder, leaves: Sequence[int], ends: Sequence[int], stripped: Callable[[int], Sequence[int]]
+) -> None:
+    """Know the limits at walls of the leaves of a form again: positive factors are stripped, and some have gates."""
     places = {unscaled(builder, leaf): leaf for leaf in leaves}
-    faces = {unscaled(builder, leaf) for leaf in builder.faces}
-    builder.faces.update(leaf for key, leaf in places.items() if key in faces)
-    for domain, ends in [*builder.walls.items()]:
-        limits = {places.get(unscaled(builder, leaf), leaf): limit for leaf, limit in ends.items()}
+    walls = {unscaled(builder, leaves[end]): leaves[end] for end in ends}
+    for domain, limits in [*builder.walls.items()]:
+        kept = {places.get(unscaled(builder, leaf), leaf): limit for leaf, limit in limits.items()}
         for wall in stripped(domain):
-            builder.walls.setdefault(places.get(unscaled(builder, wall), wall), {}).update(limits)
+            builder.walls.setdefault(walls.get(unscaled(builder, wall), wall), {}).update(kept)
 
 
 def ends_of(builder: Builder, number: int) -> dict[int, list[int]]:

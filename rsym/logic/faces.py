@@ -16,7 +16,8 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import sympy as sp
 
-from rsym.logic.sign_form import SignForm, shape_form, sign_form, through
+from rsym.logic.gates import through
+from rsym.logic.sign_form import SignForm, shape_form, sign_form
 from rsym.logic.stripping import bare, scaled, unscaled
 from rsym.model.blends.gates import with_gates
 from rsym.model.recent import recently, written

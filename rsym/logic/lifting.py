@@ -14,7 +14,8 @@ from functools import partial
 
 from rsym.logic.choices import sides
 from rsym.logic.domains import replaced
-from rsym.logic.sign_form import Gate, SignForm, gate_of, sign_form, through
+from rsym.logic.gates import gate_of
+from rsym.logic.sign_form import SignForm, sign_form
 from rsym.logic.steps import chosen_gate, is_partial
 from rsym.logic.stripping import sign_gate
 from rsym.model.recent import recently
@@ -48,8 +49,7 @@ def opened(form: SignForm) -> SignForm:
     leaves = tuple(lifted(builder, leaf) for leaf in form.leaves)
     if leaves == form.leaves:
         return form
-    made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
-    return replace(sign_form(builder, made[-1]), parameters=form.parameters)
+    return replace(sign_form(builder, form.remade(leaves)), parameters=form.parameters)
 
 
 @recently(16)
@@ -74,16 +74,12 @@ def unfolded(form: SignForm) -> SignForm:
     made = [unfolding.of(leaf) for leaf in form.leaves]
     if tuple(made) == form.leaves:
         return form
-    found = sign_form(builder, through(form.gates, made, partial(_joined, builder))[-1])
+    found = sign_form(builder, form.remade(made, partial(sign_gate, builder)))
     if len(found.leaves) > FEW:
         return form
     faces = {leaf for node in unfolding.faces for leaf in sign_form(builder, node).leaves}
     folds = tuple(number for number, leaf in enumerate(found.leaves) if leaf not in faces)
     return replace(found, parameters=form.parameters, folds=folds)
-
-
-def _joined(builder: Builder, gate: Gate, one: int, other: int) -> int:
-    return sign_gate(builder, gate.operation, one, other)
 
 
 class _Unfolding:
@@ -99,7 +95,7 @@ class _Unfolding:
         node = leaf if leaf in self._ended or len(self.faces) > FEW else lifted(builder, leaf, 0)
         if gate_of(builder.nodes[node].operation):
             form = sign_form(builder, node)
-            return through(form.gates, [self.of(part) for part in form.leaves], partial(_joined, builder))[-1]
+            return form.remade([self.of(part) for part in form.leaves], partial(sign_gate, builder))
         found = None if leaf in self._ended or choices_in(builder, node) > MOST_FOLDS else self._first_fold(node)
         if found is None:
             self.faces.append(node)
@@ -120,8 +116,8 @@ class _Unfolding:
         return None
 
 
-def origins(form: SignForm, made: Sequence[int], leaves: Sequence[int]) -> list[int]:
-    """For each of some leaves the number of the leaf of a form that it comes from, which became the node `made` of it.
+def origins(form: SignForm, made: Sequence[int], found: SignForm) -> list[int]:
+    """For each leaf of `found` the number of the leaf of a form that it comes from, which became the node `made` of it.
 
     -1 for those that come from none.
 
@@ -133,14 +129,17 @@ def origins(form: SignForm, made: Sequence[int], leaves: Sequence[int]) -> list[
     >>> row = rsym.disjunction(*[1 - (x - 3 * k) ** 2 - y**2 for k in range(100)], system=rsym.R1)
     >>> form = surface_form(rsym.Shape(rsym.conjunction(z, row / 2 - 1), (x, y, z)))
     >>> large = [lifted(form.builder, leaf) for leaf in form.leaves]
-    >>> origins(form, large, opened(form).leaves)[:3]
+    >>> origins(form, large, opened(form))[:3]
     [0, 1, 1]
     """
-    first: dict[int, int] = {}
+    first: dict[tuple[int, bool], int] = {}
     for number, node in enumerate(made):
         for leaf in (node,) if node == form.leaves[number] else sign_form(form.builder, node).leaves:
-            first.setdefault(leaf, number)
-    return [first.get(leaf, -1) for leaf in leaves]
+            first.setdefault((leaf, number in form.ends), number)
+    flags = [number in found.ends for number in range(len(found.leaves))]
+    return [
+        first.get((leaf, end), first.get((leaf, not end), -1)) for leaf, end in zip(found.leaves, flags, strict=True)
+    ]
 
 
 def lifted(builder: Builder, number: int, few: int | None = None) -> int:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rsym.logic.domains import lowest, terms_of
+from rsym.logic.domains import ended, lowest, terms_of
 from rsym.program.builder import Builder
 
 
@@ -20,7 +20,7 @@ def without_pole(builder: Builder, leaf: int, whole: Callable[[int], int]) -> in
     >>> b = Builder(("x", "y"), ())
     >>> x, y = b.input("x"), b.input("y")
     >>> made = without_pole(b, b.sub(b.div(b.const(1), x), y), lambda node: node)
-    >>> made == b.make("max", *(b.make("min", *pair) for pair in _both(b, b.sub(b.const(1), b.mul(x, y)), x)))
+    >>> made == b.make("max", *(b.make("min", *pair) for pair in _both(b, x, b.sub(b.const(1), b.mul(x, y)))))
     True
     """
     terms = terms_of(builder, leaf)
@@ -41,12 +41,12 @@ def without_pole(builder: Builder, leaf: int, whole: Callable[[int], int]) -> in
         return whole(builder.neg(over))
     for side in (under, builder.neg(under)):
         builder.walls.setdefault(side, {})
-    first, second = _both(builder, over, under)
-    return builder.make("max", *(builder.make("min", whole(one), whole(other)) for one, other in (first, second)))
+    sides = [ended(builder, whole(domain), whole(value)) for domain, value in _both(builder, under, over)]
+    return builder.make("max", *sides)
 
 
-def _both(builder: Builder, over: int, under: int) -> tuple[tuple[int, int], tuple[int, int]]:
-    return (over, under), (builder.neg(over), builder.neg(under))
+def _both(builder: Builder, under: int, over: int) -> tuple[tuple[int, int], tuple[int, int]]:
+    return (under, over), (builder.neg(under), builder.neg(over))
 
 
 def _is_quotient(builder: Builder, number: int) -> bool:

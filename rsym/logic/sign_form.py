@@ -11,15 +11,15 @@ arithmetic stay as they are. A *gate* is a min or a max of two operands; gates a
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import NamedTuple, Protocol, TypeVar
+from typing import NamedTuple
 
 from rsym.errors import RsymError
 from rsym.logic.choices import chosen_by_size
-from rsym.logic.domains import keep_walls
+from rsym.logic.domains import ended, keep_walls
+from rsym.logic.gates import Gate, gate_of, through
 from rsym.logic.steps import has_steps, is_between, parted
 from rsym.logic.stripping import Signed, Stripping, constant_sign, formal_sign, of_size, sign_gate, unscaled
 from rsym.model.blends.gates import with_gates
@@ -29,16 +29,8 @@ from rsym.program.builder import Builder
 from rsym.program.calculus import Calculus
 from rsym.program.fields import fields_program
 from rsym.program.lowering import lower
-from rsym.program.operations import CONJUNCTIONS, DISJUNCTIONS, KINKED
+from rsym.program.operations import KINKED
 from rsym.program.program import Program, live
-
-
-class Gate(NamedTuple):
-    """A min or max of two operands: the number of a leaf, or the number of leaves plus that of an earlier gate."""
-
-    operation: str
-    first: int
-    second: int
 
 
 class Operand(NamedTuple):
@@ -50,50 +42,6 @@ class Operand(NamedTuple):
     def after(self, leaves: int) -> int:
         """The number among leaves and gates together."""
         return self.number + leaves * self.is_gate
-
-
-class OfTwo(Protocol):
-    """What joins two operands by their numbers."""
-
-    @property
-    def first(self) -> int:
-        """The number of one."""
-
-    @property
-    def second(self) -> int:
-        """The number of the other."""
-
-
-T = TypeVar("T")
-G = TypeVar("G", bound=OfTwo)
-
-
-def gate_of(operation: str, sign: int = 1) -> str:
-    """The "min" or "max" that an operation times 1 or -1 is for the sign; empty if it is none.
-
-    Examples
-    --------
-    >>> gate_of("rp_conjunction"), gate_of("rp_conjunction", -1), gate_of("add")
-    ('min', 'max', '')
-    """
-    if operation in CONJUNCTIONS:
-        return "min" if sign > 0 else "max"
-    return ("max" if sign > 0 else "min") if operation in DISJUNCTIONS else ""
-
-
-def through(gates: Iterable[G], leaves: Iterable[T], join: Callable[[G, T, T], T]) -> list[T]:
-    """The leaves, and what each gate makes of its operands.
-
-    Examples
-    --------
-    >>> rules = {"min": min, "max": max}
-    >>> through([Gate("min", 0, 1), Gate("max", 3, 2)], [1, 5, 2], lambda gate, a, b: rules[gate.operation](a, b))
-    [1, 5, 2, 1, 2]
-    """
-    parts = list(leaves)
-    for gate in gates:
-        parts.append(join(gate, parts[gate.first], parts[gate.second]))
-    return parts
 
 
 @dataclass(frozen=True)
@@ -114,6 +62,8 @@ class SignForm:
         How many of the last leaves are sides of the bounds.
     folds : tuple of int
         The numbers of the leaves that only say which of others counts: no zero of omega is there but of these.
+    ends : tuple of int
+        The numbers of the leaves that are ends of domains.
     """
 
     builder: Builder = field(repr=False)
@@ -122,6 +72,7 @@ class SignForm:
     parameters: tuple[tuple[str, int], ...] = ()
     caps: int = 0
     folds: tuple[int, ...] = ()
+    ends: tuple[int, ...] = ()
 
     @property
     def value(self) -> int:
@@ -134,18 +85,33 @@ class SignForm:
         """Forms with the same key have the same leaves, gates and parameters: what is made for one serves the other."""
         chosen = {f"{k}": node for k, (_, node) in enumerate(self.parameters)}
         digest = self.builder.program({"value": self.value, **chosen}).digest
-        return f"{self.leaves}{self.gates}{[operation for operation, _ in self.parameters]}{digest}"
+        return f"{self.leaves}{self.gates}{self.ends or ''}{[operation for operation, _ in self.parameters]}{digest}"
 
     @property
     def walls(self) -> dict[int, dict[int, int | None]]:
         """The leaves that are ends of domains: the body ends there, omega is not zero; by leaf what it is at a wall."""
         places = {node: number for number, node in enumerate(self.leaves)}
-        found = {node: ends for node, ends in self.builder.walls.items() if node in places}
-        return {
-            places[wall]: {places[leaf]: limit for leaf, limit in ends.items() if leaf in places}
-            for wall, ends in found.items()
-            if wall not in self.builder.faces
-        }
+        limits = [(end, self.builder.walls.get(self.leaves[end], {})) for end in self.ends]
+        return {end: {places[leaf]: limit for leaf, limit in at.items() if leaf in places} for end, at in limits}
+
+    def remade(self, leaves: Sequence[int], make: Callable[[str, int, int], int] | None = None) -> int:
+        """The node of a form of its signs with other leaves; ends of domains stay that."""
+        b, ends = self.builder, set(self.ends)
+        make = make or b.make
+
+        def join(gate: Gate, one: tuple[int, bool], other: tuple[int, bool]) -> tuple[int, bool]:
+            (f, f_ends), (g, g_ends) = one, other
+            if f_ends == g_ends:
+                return make(gate.operation, f, g), f_ends
+            domain, value = (f, g) if f_ends else (g, f)
+            if gate.operation == "min":
+                return ended(b, domain, value), False
+            return make(
+                gate.operation, *(ended(b, f, b.const(1)) if of_end else f for f, of_end in (one, other))
+            ), False
+
+        node, is_end = through(self.gates, [(node, number in ends) for number, node in enumerate(leaves)], join)[-1]
+        return ended(b, node, b.const(1)) if is_end else node
 
     @property
     def traced(self) -> bool:
@@ -178,64 +144,7 @@ class SignForm:
             gates.append(Gate("min", last, count + number))
             last = count + shift + len(gates) - 1
         gates.append(Gate("min", form, last))
-        return SignForm(b, (*self.leaves, *sides), tuple(gates), self.parameters, shift)
-
-
-def balanced(gates: Sequence[Gate], leaves: int) -> tuple[Gate, ...]:
-    """The same function of so many leaves, a chain of one operation as a tree: what does not matter lies in subtrees.
-
-    Examples
-    --------
-    >>> chain = [Gate("max", 0, 1), Gate("max", 4, 2), Gate("max", 5, 3)]
-    >>> [(first, second) for _, first, second in balanced(chain, 4)]
-    [(0, 1), (2, 3), (4, 5)]
-    """
-    uses = Counter(operand for gate in gates for operand in gate[1:])
-    made: list[Gate] = []
-
-    def joined(operation: str, operands: Sequence[int]) -> int:
-        row = list(operands)
-        while len(row) > 1:
-            pairs = [row[k : k + 2] for k in range(0, len(row), 2)]
-            row = []
-            for pair in pairs:
-                if len(pair) == 2:
-                    made.append(Gate(operation, *pair))
-                row.append(pair[0] if len(pair) == 1 else leaves + len(made) - 1)
-        return row[0]
-
-    # What a gate of a chain joins, until something else needs it.
-    chains: dict[int, list[int]] = {}
-    places = list(range(leaves))
-    for number, (operation, *operands) in enumerate(gates, leaves):
-        links: list[int] = []
-        for operand in operands:
-            inner = gates[operand - leaves] if operand >= leaves else None
-            if inner is not None and inner.operation == operation and uses[operand] == 1:
-                links += chains.pop(operand)
-            else:
-                links.append(operand)
-        chains[number] = links
-        places.append(-1)
-
-    def place(number: int) -> int:
-        """Where an operand is, its chain made after those of its operands."""
-        stack = [number]
-        while stack:
-            top = stack[-1]
-            if places[top] >= 0:
-                stack.pop()
-                continue
-            missing = [operand for operand in chains[top] if places[operand] < 0]
-            if missing:
-                stack += missing
-            else:
-                places[top] = joined(gates[top - leaves].operation, [places[operand] for operand in chains[top]])
-        return places[number]
-
-    if gates:
-        place(leaves + len(gates) - 1)
-    return tuple(made)
+        return SignForm(b, (*self.leaves, *sides), tuple(gates), self.parameters, shift, ends=self.ends)
 
 
 def cap_letters(coordinate: str) -> tuple[str, str]:
@@ -310,7 +219,7 @@ def sign_form(builder: Builder, number: int) -> SignForm:
         return form
     builder.rewritten = True
     found = replace(_gated(builder, made, alike=unscaled), parameters=form.parameters)
-    keep_walls(builder, found.leaves, lambda domain: _gated(builder, domain).leaves)
+    keep_walls(builder, found.leaves, found.ends, lambda domain: _gated(builder, domain).leaves)
     return found
 
 
@@ -329,48 +238,86 @@ def decided(builder: Builder, number: int) -> int:
 def _known(builder: Builder, number: int, guards: Collection[int]) -> int:
     """The node, or one of the same sign whose leaves have a value everywhere and do not jump."""
     form = _gated(builder, number)
-    builder.faces.update(leaf for leaf in form.leaves if leaf not in builder.walls)
     known = partial(_known, builder)
     leaves = [parted(builder, leaf, guards, known) for leaf in form.leaves]
     if tuple(leaves) == form.leaves:
         return number
-    return through(form.gates, leaves, lambda gate, first, second: sign_gate(builder, gate.operation, first, second))[
-        -1
-    ]
+    return form.remade(leaves, partial(sign_gate, builder))
 
 
-def _gated(builder: Builder, number: int, alike: Callable[[Builder, int], Hashable] | None = None) -> SignForm:
+def _gated(
+    builder: Builder,
+    number: int,
+    alike: Callable[[Builder, int], Hashable] | None = None,
+    faces: Collection[Hashable] = (),
+) -> SignForm:
     """The sign form of a node by its gates alone; leaves of which `alike` tells the same are one, the first.
 
-    Conditions and what they choose are often the same leaf, written otherwise.
+    Conditions and what they choose are often the same leaf, written otherwise. A leaf that is a face in one place and
+    the end of a domain in another is two, but those that are `faces` in any case.
     """
-    leaves: dict[Hashable, int] = {}
+    leaves: dict[tuple[Hashable, bool], int] = {}
     nodes: list[int] = []
     joined: list[tuple[str, Operand, Operand]] = []
     parameters: dict[tuple[str, int], None] = {}
-    done: dict[Signed, Operand] = {}
-    for part, operands in with_operands(stripped(builder, number), partial(_operands, builder), tuple):
+    done: dict[_Part, Operand] = {}
+    whole = _Part(stripped(builder, number), False)
+    for part, operands in with_operands(whole, partial(_operands, builder), tuple):
         if not operands:
-            node = of_size(builder, part).made(builder)
-            place = leaves.setdefault(node if alike is None else alike(builder, node), len(nodes))
+            node = of_size(builder, part.part).made(builder)
+            key = node if alike is None else alike(builder, node)
+            place = leaves.setdefault((key, part.ends and key not in faces), len(nodes))
             nodes += [node] if place == len(nodes) else []
             done[part] = Operand(False, place)
             continue
-        operation, arguments, _ = builder.nodes[part.number]
+        operation, arguments, _ = builder.nodes[part.part.number]
         parameters.update(((operation, parameter), None) for parameter in arguments[2:])
-        first, second = (done[operand] for operand in operands)
+        first, second = done[operands[0]], done[operands[-1]]
         if first == second:
             done[part] = first
         else:
-            joined.append((gate_of(operation, part.sign), first, second))
+            joined.append((gate_of(operation, part.part.sign), first, second))
             done[part] = Operand(True, len(joined) - 1)
     gates = tuple(Gate(op, *(operand.after(len(nodes)) for operand in operands)) for op, *operands in joined)
-    return SignForm(builder, tuple(nodes), gates, tuple(parameters))
+    ends = {place: key for (key, is_end), place in leaves.items() if is_end}
+    form = SignForm(builder, tuple(nodes), gates, tuple(parameters), ends=tuple(ends))
+    twins = {place: leaves[key, False] for place, key in ends.items() if (key, False) in leaves}
+    bounding = {ends[place] for place in _needless(form, twins)}
+    return _gated(builder, number, alike, bounding) if bounding else form
 
 
-def _operands(builder: Builder, part: Signed) -> Sequence[Signed]:
-    operation, arguments, _ = builder.nodes[part.number]
-    return [stripped(builder, argument, part.sign) for argument in arguments[:2]] if gate_of(operation) else ()
+def _needless(form: SignForm, twins: Mapping[int, int]) -> set[int]:
+    """Those ends of domains of which a gate above needs the face as well: that is the boundary there."""
+    if not twins:
+        return set()
+    count = len(form.leaves)
+    faces = {*twins.values()}
+    needed: list[set[int]] = [{number} & faces for number in range(count)]
+    for gate in form.gates:
+        needed.append(needed[gate.first] | needed[gate.second] if gate.operation == "min" else set())
+    around: dict[int, set[int]] = {}
+    for number in reversed(range(count, count + len(form.gates))):
+        of_gate = around.setdefault(number, set()) | needed[number]
+        for operand in form.gates[number - count][1:]:
+            around[operand] = around.get(operand, of_gate) & of_gate
+    return {end for end, face in twins.items() if face in around[end]}
+
+
+class _Part(NamedTuple):
+    """A node on the way to the leaves, and whether it is the end of a domain."""
+
+    part: Signed
+    ends: bool
+
+
+def _operands(builder: Builder, part: _Part) -> Sequence[_Part]:
+    (number, sign), ends = part
+    operation, arguments, _ = builder.nodes[number]
+    if not gate_of(operation):
+        return ()
+    domain = builder.ending.get(number)
+    parts = [_Part(stripped(builder, argument, sign), ends or argument == domain) for argument in arguments[:2]]
+    return [part for part in parts if part.ends or builder.value(part.part.number) is None] if domain else parts
 
 
 def beside_idle(

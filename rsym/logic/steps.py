@@ -15,7 +15,7 @@ from typing import Any
 import sympy as sp
 
 from rsym.backends.interpreter import interpret
-from rsym.logic.domains import MOST_PARTS, ROOTS, bounded, lowest, replaced
+from rsym.logic.domains import MOST_PARTS, ROOTS, bounded, ended, lowest, replaced
 from rsym.logic.poles import without_pole
 from rsym.logic.stripping import formal_sign, sign_gate
 from rsym.program.builder import Builder
@@ -61,7 +61,7 @@ def parted(builder: Builder, leaf: int, guards: Collection[int], whole: Callable
     if len(kept) == 1:  # beyond the condition there is no value
         ((guard, chosen),) = kept
         builder.walls.setdefault(guard, {})
-        return sign_gate(builder, "min", whole(guard, ()), whole(chosen, guards))
+        return ended(builder, whole(guard, ()), whole(chosen, guards))
     sided = [whole(chosen, (*guards, guard)) for guard, chosen in kept]
     return chosen_gate(builder, [whole(guard, ()) for guard, _ in kept], sided)
 

@@ -21,7 +21,8 @@ import sympy as sp
 
 from rsym.analysis.differential import gradient
 from rsym.analysis.normalisation import normalise
-from rsym.logic.sign_form import Gate, SignForm, through
+from rsym.logic.gates import Gate, through
+from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Shape
 from rsym.model.symbols import symbols_of
 from rsym.model.vectors import squared

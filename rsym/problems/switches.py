@@ -21,7 +21,8 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import Kernel
 from rsym.backends.kernel import compile as compile_shape
 from rsym.errors import RsymError, warn
-from rsym.logic.sign_form import Gate, SignForm
+from rsym.logic.gates import Gate
+from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds, Shape
 from rsym.problems.corners.corners import PlaneCorner, flat_corners
 from rsym.problems.even_switches import evened, evened_between, unexplained

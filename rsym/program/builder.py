@@ -38,7 +38,7 @@ class Builder:
         self.switches: dict[int, int] = {}
         self.steps: set[int] = set()  # choices by conditions that somebody wrote: they may jump
         self.walls: dict[int, dict[int, int | None]] = {}  # ends of domains, and limits there (`logic.domains`)
-        self.faces: set[int] = set()  # of these what bounds otherwise too
+        self.ending: dict[int, int] = {}  # gates that say where something has a value, and their operand that does
         self.rewritten = False  # whether a sign form has other leaves than its node
         self._index: dict[Node, int] = {}
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from rsym.arrays import Floats, Ints
-from rsym.logic.sign_form import Gate, through
+from rsym.logic.gates import Gate, through
 
 SAME = 1e-9  # of the largest coordinate: leaves so close are zero at one place
 

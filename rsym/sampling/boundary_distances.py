@@ -9,16 +9,19 @@ the car with an error of 0.002 the residuals of omega have an rms of 1.3 where t
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
 from typing import TypeAlias
 
 import numpy as np
 
 from rsym.arrays import Floats
 from rsym.backends.kernel import Kernel, compile_program
-from rsym.logic.sign_form import Gate, shape_form, through
+from rsym.logic.gates import Gate, through
+from rsym.logic.sign_form import shape_form
 from rsym.model.shape import Shape
 from rsym.program.by_letters import LENGTH, FirstOrder
 from rsym.program.program import Program
+from rsym.sampling.active_leaves import SAME
 from rsym.sampling.silhouettes import LinesOfSight
 
 Distances: TypeAlias = Callable[[Floats], tuple[Floats, Floats]]
@@ -33,7 +36,8 @@ def by(letter: str) -> str:
 def distance_program(shape: Shape, letters: Sequence[str]) -> Program:
     """The distance, positive inside, and its derivatives by letters or coordinates; L is a letter of the shape.
 
-    There is none where the end of a domain alone decides: omega is not zero there. Raises RsymError for a letter that
+    There is none where the end of a domain alone decides: omega is not zero there. An end that is as far as a face, to
+    rounding, decides in a union and not in an intersection. Raises RsymError for a letter that
     is a parameter of an operation.
 
     Examples
@@ -45,19 +49,21 @@ def distance_program(shape: Shape, letters: Sequence[str]) -> Program:
     """
     form = shape_form(shape)
     b, known = form.builder, dict[tuple[int, str], int]()
+    later = b.mul(b.const(Fraction(SAME)), b.input(LENGTH))
     rows = []
     for number, leaf in enumerate(form.leaves):
-        one = FirstOrder(b, leaf)
-        rows.append((one.distance, b.const(number in form.walls), *(one.by(letter, known) for letter in letters)))
+        one, is_end = FirstOrder(b, leaf), number in form.ends
+        order = b.add(one.distance, later) if is_end else one.distance
+        rows.append((order, one.distance, b.const(is_end), *(one.by(letter, known) for letter in letters)))
 
     def join(gate: Gate, one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:
         f, g = one[0], other[0]
         first, second = (other, one) if gate.operation == "min" else (one, other)
-        slopes = [b.select(f, g, u, v) for u, v in zip(first[1:], second[1:], strict=True)]
-        return (b.make(gate.operation, f, g), *slopes)
+        chosen = [b.select(f, g, u, v) for u, v in zip(first[2:], second[2:], strict=True)]
+        return (b.make(gate.operation, f, g), b.make(gate.operation, one[1], other[1]), *chosen)
 
-    distance, ends, *slopes = through(form.gates, rows, join)[-1]
-    found = b.select(ends, b.const(0), b.undefined(), distance) if form.walls else distance
+    _, distance, ends, *slopes = through(form.gates, rows, join)[-1]
+    found = b.select(ends, b.const(0), b.undefined(), distance) if form.ends else distance
     return b.program(dict(zip((DISTANCE, *map(by, letters)), (found, *slopes), strict=True)))
 
 

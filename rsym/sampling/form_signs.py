@@ -15,7 +15,8 @@ from rsym.backends.interpreter import interpret
 from rsym.bounds.far_forms import far_leaves
 from rsym.bounds.intervals import IntervalFunction
 from rsym.errors import RsymError
-from rsym.logic.sign_form import Gate, SignForm, through
+from rsym.logic.gates import Gate, through
+from rsym.logic.sign_form import SignForm
 from rsym.program.builder import Builder
 from rsym.program.operations import OPERATIONS
 from rsym.program.program import Program, live

@@ -18,8 +18,9 @@ from rsym.arrays import Flags, Floats, Integers, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.errors import RsymError
 from rsym.logic.faces import BETWEEN, Faces, shape_faces
+from rsym.logic.gates import through
 from rsym.logic.leaf_names import face_names, shape_leaf_names
-from rsym.logic.sign_form import shape_form, through
+from rsym.logic.sign_form import shape_form
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.program.differentiation import derivative

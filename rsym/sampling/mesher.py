@@ -78,7 +78,7 @@ class SharpMesher:
         """The leaves of the shape that those of the form come from, the sides of the bounds behind them."""
         own = surface_form(self.shape)
         large = [lifted(own.builder, leaf) for leaf in own.leaves]
-        found = origins(own, large, opened(own).leaves)
+        found = origins(own, large, opened(own))
         return np.array([*found, *range(len(own.leaves), len(own.leaves) + self.form.caps)])
 
     def __call__(self, request: MeshRequest) -> Mesh:

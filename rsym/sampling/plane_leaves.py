@@ -13,8 +13,9 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.backends.kernel import Kernel, compile_program, run_in_blocks
 from rsym.backends.registry import ready_backend
 from rsym.bounds.intervals import IntervalFunction
+from rsym.logic.gates import through
 from rsym.logic.lifting import unfolded
-from rsym.logic.sign_form import SignForm, has_kinks, shape_form, sign_form, through
+from rsym.logic.sign_form import SignForm, has_kinks, shape_form, sign_form
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.model.symbols import real_symbol

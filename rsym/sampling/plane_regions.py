@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from rsym.arrays import Floats, Ints, Shorts
 from rsym.backends.kernel import checked_threads, lasting_threads
+from rsym.logic.gates import Gate
 from rsym.logic.lifting import TURNED, lifted, opened
-from rsym.logic.sign_form import Gate, SignForm, shape_builder, shape_form
+from rsym.logic.sign_form import SignForm, shape_builder, shape_form
 from rsym.logic.stripping import Signed
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape

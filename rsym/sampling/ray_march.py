@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Flags, Floats, Ints
 from rsym.bounds.ray_forms import ray_form
 from rsym.bounds.ray_reference import RayReference, along
-from rsym.logic.sign_form import Gate, through
+from rsym.logic.gates import Gate, through
 from rsym.model.shape import Bounds
 from rsym.sampling.hits import Seen
 from rsym.sampling.leaf_fields import LeafFields

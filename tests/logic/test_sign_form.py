@@ -10,7 +10,8 @@ from oracles.trees import trees
 import rsym
 from rsym import x, y, z
 from rsym.backends.interpreter import interpret
-from rsym.logic.sign_form import Gate, surface_form
+from rsym.logic.gates import Gate
+from rsym.logic.sign_form import surface_form
 
 a = sp.Symbol("a", real=True)
 POINTS = np.random.default_rng(4).uniform(-1.5, 1.5, (3, 500))

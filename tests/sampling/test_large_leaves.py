@@ -11,8 +11,9 @@ from oracles.undefined import without_value
 import rsym
 from rsym import x, y, z
 from rsym.logic import leaf_parts
+from rsym.logic.gates import Gate
 from rsym.logic.leaf_parts import parted
-from rsym.logic.sign_form import Gate, SignForm, surface_form
+from rsym.logic.sign_form import SignForm, surface_form
 from rsym.program.builder import Builder
 from rsym.sampling.kernels.mesher_kernels import MesherKernels, columns, padded
 from rsym.sampling.mesher import SharpMesher

@@ -12,6 +12,7 @@ from oracles.closeness import assert_close
 import rsym
 from rsym import Shape, x, y, z
 from rsym.logic.sign_form import shape_form
+from rsym.sampling.boundary_distances import boundary_distances
 
 pytestmark = pytest.mark.filterwarnings("ignore:omega has no value:rsym.RsymWarning")
 PARTIAL = {"sqrt": sp.sqrt(x - 2), "log": sp.log(x - 2), "asin": sp.asin(x - 4), "root": (x - 2) ** sp.Rational(1, 3)}
@@ -86,11 +87,57 @@ def test_where_a_domain_ends_is_no_boundary_however_it_is_written(name):
     "other", [sp.sqrt(DISC) + 1, sp.sqrt(2 * DISC) + 1, sp.sqrt(DISC * (2 + x**2)) + 1, sp.acos(x**2 + y**2) + 1]
 )
 def test_the_end_of_a_domain_that_is_a_face_too_is_boundary(other):
-    for join in (rsym.conjunction, rsym.disjunction):
-        for operands in ((other, DISC), (DISC, other)):
-            shape = Shape(join(*operands), (x, y), bounds=((-2, 2),) * 2)
-            assert_close(rsym.measure(shape).length, 2 * math.pi, rtol=1e-9)
-            assert len(rsym.level_lines(shape, resolution=16)) == 1
+    """Where both must hold; where one will do omega is above 0 up to there, and unknown beyond."""
+    for operands in ((other, DISC), (DISC, other)):
+        shape = Shape(rsym.conjunction(*operands), (x, y), bounds=((-2, 2),) * 2)
+        assert_close(rsym.measure(shape).length, 2 * math.pi, rtol=1e-9)
+        assert len(rsym.level_lines(shape, resolution=16)) == 1
+        shape = Shape(rsym.disjunction(*operands), (x, y), bounds=((-2, 2),) * 2)
+        with pytest.warns(rsym.RsymWarning, match="not counted as boundary"):
+            assert rsym.measure(shape).length == 0
+        assert len(rsym.level_lines(shape, resolution=16)) == 0
+
+
+HALF = sp.Rational(3, 2)
+# On x = 0 a part ends where it is positive, and where it is negative omega of the union is zero.
+UNIONS = {
+    "an end": (sp.Rational(3, 4) - x**HALF / 2, 8),
+    "a face": (-sp.Rational(3, 4) - x**HALF / 2, 12),
+    "by halves": (y - x**HALF / 2, 10),
+    "as a choice": (sp.Piecewise((sp.Rational(3, 4), x > 0)), 8),
+    "by value": (sp.Rational(3, 4) + sp.log(1 + sp.sqrt(sp.exp(x) - 1)), 8),
+}
+
+
+@pytest.mark.filterwarnings("ignore::rsym.RsymWarning")
+@pytest.mark.parametrize("name", UNIONS)
+def test_a_union_ends_where_a_part_of_it_does_on_a_face_of_the_other(name):
+    part, length = UNIONS[name]
+    for operands in ((part, x), (x, part)):
+        shape = Shape(rsym.disjunction(*operands), (x, y)) & rsym.rectangle(4, 4)
+        found = rsym.measure(shape)
+        assert_close((found.area, found.length), (8, length), rtol=2e-6)
+        lines = rsym.level_lines(shape, resolution=40).lines
+        assert sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines) == pytest.approx(
+            length, abs=0.1
+        )
+        solid = rsym.measure(Shape(rsym.disjunction(*operands), (x, y, z)) & rsym.box(4, 4, 2))
+        assert_close((solid.volume, solid.surface), (16, 2 * length + 16), rtol=1e-5)
+
+
+def test_points_and_distances_know_where_a_union_ends():
+    part = y - x**HALF / 2
+    shape = Shape(rsym.disjunction(part, x), (x, y)) & rsym.rectangle(4, 4)
+    points = rsym.sample(shape, 1000, over="boundary", rng=1).points
+    there = points[np.abs(points[:, 0]) < 1e-12]
+    assert there[:, 1].max() < 0
+    assert len(there) == pytest.approx(200, abs=4 * math.sqrt(160))  # 2 of a length of 10
+    radius = sp.Symbol("radius")
+    for join, missing in ((rsym.conjunction, 0), (rsym.disjunction, 1)):
+        disc = radius**2 - x**2 - y**2
+        whole = Shape(join(sp.sqrt(disc) + 1, disc), (x, y), letters={radius: 1})
+        found, _ = boundary_distances(whole, ["radius"], points / 2, 10.0)(np.array([1.0]))
+        assert np.isnan(found).mean() == missing
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 
 from rsym.backends.languages import statements
-from rsym.logic.sign_form import SignForm, through
+from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Shape
 from rsym.output.design.forms import Uniforms, dense, outputs_alone
 from rsym.output.looks import PLAIN
@@ -70,9 +70,7 @@ def plane_texts(shape: Shape, form: SignForm) -> PlaneTexts:
 
 def _form_program(form: SignForm) -> Program:
     """The value of a form, of the leaves that its gates choose."""
-    builder = form.builder
-    made = through(form.gates, list(form.leaves), lambda gate, f, g: builder.make(gate.operation, f, g))
-    return expand(builder.program({"value": made[-1]}))
+    return expand(form.builder.program({"value": form.value}))
 
 
 def _function(name: str, program: Program, number: int, uniforms: Uniforms) -> str:

@@ -10,7 +10,8 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats
 from rsym.bounds.intervals import IntervalFunction
-from rsym.logic.sign_form import SignForm, has_kinks, shape_form, through
+from rsym.logic.gates import through
+from rsym.logic.sign_form import SignForm, has_kinks, shape_form
 from rsym.logic.stripping import bare
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Floats
-from rsym.logic.sign_form import Gate, through
+from rsym.logic.gates import Gate, through
 
 ALONG = 1e-7  # radians: directions closer are one, and curvature decides what lies between
 BENT = 1e-6  # of the largest curvature: curves closer are one

@@ -10,7 +10,8 @@ from typing import TypeAlias
 
 from rsym.backends.vector_code import Value
 from rsym.bounds.intervals import interval_program
-from rsym.logic.sign_form import Gate, SignForm
+from rsym.logic.gates import Gate
+from rsym.logic.sign_form import SignForm
 from rsym.program.differentiation import gradient
 from rsym.program.expansion import expand
 from rsym.program.program import Program, assemble, live

@@ -13,7 +13,8 @@ from rsym.backends.interpreter import interpret_nodes
 from rsym.backends.vector_code import Value
 from rsym.bounds.ray_forms import LINE, MODEL, NUMBER, RayForm, RayFunction, input_names, ray_form
 from rsym.bounds.ray_models import RayArithmetic, RayModel
-from rsym.logic.sign_form import Gate, SignForm, balanced
+from rsym.logic.gates import Gate, balanced
+from rsym.logic.sign_form import SignForm
 from rsym.logic.stripping import is_positive
 from rsym.program.builder import Builder
 from rsym.program.expansion import expand

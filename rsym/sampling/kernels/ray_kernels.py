@@ -16,7 +16,8 @@ from rsym.backends.kernel import lasting_threads
 from rsym.backends.llvm_code import machine_code
 from rsym.bounds.ray_forms import guarded
 from rsym.errors import RsymError
-from rsym.logic.sign_form import Gate, SignForm, through
+from rsym.logic.gates import Gate, through
+from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds
 from rsym.program.program import FLOAT64
 from rsym.sampling.hits import Seen

@@ -12,9 +12,10 @@ import numpy as np
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.logic.branches import opened_leaf
+from rsym.logic.gates import Gate
 from rsym.logic.leaf_names import leaf_names
 from rsym.logic.lifting import TURNED, origins
-from rsym.logic.sign_form import Gate, SignForm, sign_form, surface_form, through
+from rsym.logic.sign_form import SignForm, sign_form, surface_form
 from rsym.logic.stripping import unscaled as multiple
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
@@ -154,9 +155,8 @@ def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
     """
     builder = form.builder
     leaves = [_slab(builder, opened_leaf(builder, leaf)) for leaf in form.leaves]
-    made = through(form.gates, leaves, lambda gate, first, second: builder.make(gate.operation, first, second))
-    smooth = replace(sign_form(builder, made[-1]), parameters=form.parameters)
-    owner = origins(form, leaves, smooth.leaves)
+    smooth = replace(sign_form(builder, form.remade(leaves)), parameters=form.parameters)
+    owner = origins(form, leaves, smooth)
     if list(form.leaves) == leaves or -1 in owner:
         return form, np.arange(len(form.leaves))
     return smooth, np.array(owner)

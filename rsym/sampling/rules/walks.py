@@ -2,7 +2,9 @@
 
 A value within the tolerance at an end of a line is a zero there: the boundary may run along the end. It is counted in
 the piece whose inside it bounds, and only if the signs that leaves have beyond make the outside. Crossings closer to
-each other than some tolerances are one; of leaves that have one surface it is the first that bounds.
+each other than some tolerances are one; of leaves that have one surface it is the first that bounds. Where some of
+them are ends of domains the gates decide: omega ends there if it is not zero, which it is if the form is negative with
+those others negative, and the domain not ended.
 """
 
 from __future__ import annotations
@@ -69,16 +71,28 @@ def start_signs(
 
 
 @step
-def is_before(one: int, other: int, domains: Any) -> bool:
-    """Whether the first of two leaves that have one surface bounds there: no end of a domain, if one is none."""
-    earlier: bool = other < 0 or (one < other if domains[one] == domains[other] else domains[other])
-    return earlier
+def first_bounding(gates: Any, domains: Any, signs: Any, known: Any, here: Any) -> int:
+    """Of the leaves marked in `here`, which have one surface, the one that bounds there; -1 if there are none.
+
+    `signs` are those of the leaves on one side; those of leaves here are lost.
+    """
+    face, end = -1, -1
+    for k in range(len(signs)):
+        if here[k]:
+            signs[k] = 1 if domains[k] else -1
+            if domains[k] and end < 0:
+                end = k
+            elif not domains[k] and face < 0:
+                face = k
+    if face < 0 or (end >= 0 and form_sign(gates, signs, known) > 0):
+        face = end
+    return face
 
 
 @step
 def bounding(
     gates: Any, domains: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any, past: Any,
-    signs: Any, known: Any, beyond: Any,
+    signs: Any, known: Any, beyond: Any, here: Any,
 ) -> int:  # fmt: skip
     """The leaf along which the boundary runs at an end of a line that is inside there; -1 if none.
 
@@ -86,14 +100,13 @@ def bounding(
     """
     found = -1
     for k in range(len(signs)):
-        beyond[k] = signs[k]
+        beyond[k], here[k] = signs[k], False
     for k in range(first, last):
         if not upright[k] and abs(value[k]) <= tolerance:
             beyond[leaf[k]] = past[k] if past[k] != 0 else -signs[leaf[k]]
-            if signs[leaf[k]] > 0 and is_before(leaf[k], found, domains):
-                found = leaf[k]
-    if found >= 0 and form_sign(gates, beyond, known) > 0:
-        found = -1
+            here[leaf[k]] = signs[leaf[k]] > 0
+    if form_sign(gates, beyond, known) <= 0:
+        found = first_bounding(gates, domains, beyond, known, here)
     return found
 
 
@@ -128,6 +141,7 @@ def walk_inside(
     `signs` (lines, leaves) are those of leaves that do not matter; others are found and changed on the way.
     """
     known, beyond = np.empty(signs.shape[1] + len(gates), np.int8), np.empty(signs.shape[1], np.int8)
+    here = np.empty(signs.shape[1], np.bool_)
     inner, outer = 0, 0
     for line in range(len(weight)):
         first, last, own = begin[line], begin[line + 1], signs[line]
@@ -136,28 +150,33 @@ def walk_inside(
         at, top, share = ends[0, line], ends[1, line], weight[line]
         inside = form_sign(gates, own, known) > 0
         if inside:
-            found = bounding(gates, domains, first, last, tolerance, leaf, upright, below, past[0], own, known, beyond)
+            found = bounding(
+                gates, domains, first, last, tolerance, leaf, upright, below, past[0], own, known, beyond, here
+            )
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, at, at, share, line, found)
         number = 0
         while number < count:
-            here = root[order[number]]
+            place = root[order[number]]
             following = cross(number, count, tolerance, leaf, root, order, own)
             now = form_sign(gates, own, known) > 0
             if now != inside:
-                found = -1
+                for k in range(len(own)):
+                    beyond[k], here[k] = own[k], False
                 for j in range(number, following):
                     k = leaf[order[j]]
-                    if (own[k] > 0) == now and is_before(k, found, domains):
-                        found = k
-                outer = note(edges, edge_numbers, outer, here, here, share, line, found)
+                    here[k] = (own[k] > 0) == now
+                found = first_bounding(gates, domains, beyond, known, here)
+                outer = note(edges, edge_numbers, outer, place, place, share, line, found)
                 if inside:
-                    inner = note(panels, panel_numbers, inner, at, here, share, line, -1)
-                at = here
+                    inner = note(panels, panel_numbers, inner, at, place, share, line, -1)
+                at = place
             inside, number = now, following
         if inside:
             inner = note(panels, panel_numbers, inner, at, top, share, line, -1)
-            found = bounding(gates, domains, first, last, tolerance, leaf, upright, above, past[1], own, known, beyond)
+            found = bounding(
+                gates, domains, first, last, tolerance, leaf, upright, above, past[1], own, known, beyond, here
+            )
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, top, top, share, line, found)
     sizes[0], sizes[1] = inner, outer
@@ -212,7 +231,8 @@ def walk_upright(
 
     `left`, `right` (lines, leaves) are the signs of leaves that stand there, on either side.
     """
-    known = np.empty(left.shape[1] + len(gates), np.int8)
+    known, beyond = np.empty(left.shape[1] + len(gates), np.int8), np.empty(left.shape[1], np.int8)
+    here = np.empty(left.shape[1], np.bool_)
     outer = 0
     for line in range(len(kind)):
         first, last = begin[line], begin[line + 1]
@@ -226,11 +246,12 @@ def walk_upright(
             # Beyond an end of the piece, the boundary belongs to the side that is inside.
             mine = kind[line] == BETWEEN or (kind[line] == FIRST and other) or (kind[line] == LAST and one)
             if one != other and mine and end > at:
-                found = -1
+                for j in range(left.shape[1]):
+                    beyond[j], here[j] = left[line, j], False
                 for k in range(first, last):
                     j = leaf[k]
-                    if upright[k] and left[line, j] != right[line, j] and (left[line, j] > 0) == one:
-                        found = j if is_before(j, found, domains) else found
+                    here[j] = upright[k] and left[line, j] != right[line, j] and (left[line, j] > 0) == one
+                found = first_bounding(gates, domains, beyond, known, here)
                 outer = note(edges, edge_numbers, outer, at, end, weight[line], line, found)
             at, following = end, number + 1
             if number < count:

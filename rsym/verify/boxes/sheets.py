@@ -11,8 +11,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
+from rsym.logic.gates import gate_of
 from rsym.logic.kleene import Connective, Formula, Literal, as_gate, joined, leaves_of, replaced, without_idle
-from rsym.logic.sign_form import gate_of
 from rsym.logic.stripping import bare, factor
 from rsym.program.builder import Builder
 from rsym.program.operations import PARTIAL

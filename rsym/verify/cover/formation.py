@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Flags, Floats
+from rsym.logic.gates import Gate, through
 from rsym.logic.kleene import Formula, Literal, joined, without_idle
-from rsym.logic.sign_form import Gate, through
 from rsym.program.builder import Builder
 
 # What joins the leaves of a box: a min or a max of two, anything else, or a leaf and its negative, zero at most.

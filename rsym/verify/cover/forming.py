@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from rsym.logic.sign_form import Gate, Operand, gate_of, stripped
+from rsym.logic.gates import Gate, gate_of
+from rsym.logic.sign_form import Operand, stripped
 from rsym.logic.stripping import Signed
 from rsym.model.symbols import with_operands
 from rsym.program.builder import Builder

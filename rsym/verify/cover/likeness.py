@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from rsym.logic.sign_form import gate_of
+from rsym.logic.gates import gate_of
 from rsym.program.operations import SYMMETRIC, those
 from rsym.verify.boxes.local import Model
 

@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import sympy as sp
 
+from rsym.logic.gates import Gate
 from rsym.logic.kleene import Literal
-from rsym.logic.sign_form import Gate, Operand
+from rsym.logic.sign_form import Operand
 from rsym.model.rnodes import R1Operation, ROperation
 from rsym.model.symbols import with_operands
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rsym.arrays import Floats
-from rsym.logic.sign_form import Gate, through
+from rsym.logic.gates import Gate, through
 from rsym.sampling.form_signs import joined_signs
 from rsym.verify.lint.logic import Logic
 from rsym.verify.lint.report import COINCIDENT, LONE_SHEET, ZERO_SHEET

@@ -25,7 +25,7 @@ from rsym.arrays import Flags, Floats
 from rsym.backends.registry import default_backend
 from rsym.bounds.balls import ctx
 from rsym.bounds.intervals import Bounds, IntervalFunction
-from rsym.logic.sign_form import Gate
+from rsym.logic.gates import Gate
 from rsym.logic.stripping import Signed, unscaled
 from rsym.program.builder import Builder
 from rsym.sampling.progress import Effort

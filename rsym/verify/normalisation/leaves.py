@@ -18,7 +18,8 @@ import sympy as sp
 from rsym.analysis.contracts.table import known_compositions, promise
 from rsym.analysis.differential import derivative
 from rsym.arrays import Flags, Floats
-from rsym.logic.sign_form import Gate, Operand, through
+from rsym.logic.gates import Gate, through
+from rsym.logic.sign_form import Operand
 from rsym.model.nodes import ZeroWith, without_zeros
 from rsym.model.primitives.formulas import normalised
 from rsym.model.symbols import real_symbol

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
-from rsym.logic.sign_form import Gate
+from rsym.logic.gates import Gate
 from rsym.model.equation import with_exact_letters
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
