@@ -25,6 +25,7 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower_all
+from rsym.program.program import live
 
 BETWEEN = " / "  # the names of faces that coincide
 # So many times the operands of a form its places may be: beyond, a place takes the parts of the first way to it.
@@ -192,10 +193,11 @@ def _places(form: SignForm, named: _Named) -> _Found:
 
 
 class _Part(NamedTuple):
-    """A named part: its formula, how many leaves it has, and the keys of these."""
+    """A named part: its formula and node, how many leaves it has, and the keys of these."""
 
     name: str
     expression: sp.Expr
+    node: int
     size: int
     leaves: frozenset[int]
 
@@ -224,10 +226,10 @@ class _Named:
             both = nodes[2 * number : 2 * number + 2]
             forms = [sign_form(builder, node) for node in (*both, *map(builder.neg, both))]
             leaves = [bare(builder, leaf) for one in forms for leaf in one.leaves]
-            parts.append(_Part(name, expression, len(forms[0].leaves), frozenset(leaves)))
+            parts.append(_Part(name, expression, both[0], len(forms[0].leaves), frozenset(leaves)))
             for operand in written.operands(forms) or alike.operands(forms):
                 at[operand].append(number)
-        begins = {operand: _chains(parts, same) for operand, same in at.items()}
+        begins = {operand: _chains(builder, parts, same) for operand, same in at.items()}
         keys = tuple(bare(builder, leaf) for leaf in form.leaves)
         named = cls(tuple(parts), begins, keys, frozenset())
         outside = {chain[0] for operand in _outside(form, begins) for chain in begins[operand]}
@@ -277,13 +279,23 @@ class _Numbers:
         return through(form.gates, leaves, lambda gate, one, other: number((gate.operation, *sorted((one, other)))))
 
 
-def _chains(parts: Sequence[_Part], same: Sequence[int]) -> tuple[tuple[int, ...], ...]:
-    """Parts with the same gates: those whose formulas are within each other in one list, copies in several."""
+def _chains(builder: Builder, parts: Sequence[_Part], same: Sequence[int]) -> tuple[tuple[int, ...], ...]:
+    """Parts with the same gates: those whose formulas are within each other in one list, copies in several.
+
+    What scales a part multiplies it as a whole: formulas are within each other but for a factor too.
+    """
     if len(same) == 1:
         return (tuple(same),)
     inside = {number: set(postorder(parts[number].expression)) for number in same}
+    bares = {number: bare(builder, parts[number].node) for number in same}
+    below = {
+        number: {bare(builder, node) for node in live(builder.nodes, [parts[number].node])} - {bares[number]}
+        for number in same
+    }
 
     def holds(outer: int, inner: int) -> bool:
+        if bares[inner] in below[outer]:
+            return True
         return parts[outer].expression != parts[inner].expression and parts[inner].expression in inside[outer]
 
     first = [one for one in same if not any(holds(one, other) for other in same)]

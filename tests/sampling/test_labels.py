@@ -46,6 +46,13 @@ def test_where_faces_coincide_both_names_are_kept():
     assert rsym.integrate(1, OVERLAP, over="A / B") == pytest.approx(both, rel=1e-10)
 
 
+@pytest.mark.parametrize("scale", [1, 3, 1.7])
+def test_a_group_of_one_box_twice_goes_without_saying_when_it_is_scaled(scale):
+    pair = (rsym.rectangle(2, 1).named("A") | rsym.rectangle(2, 1).named("B")).named("E")
+    moved = pair.scale(scale).translate(1, 2).rotate(0.3)
+    assert rsym.measure(moved).parts == {"A / B": pytest.approx(6 * scale)}
+
+
 @pytest.mark.parametrize("turned", [False, True])
 def test_the_name_does_not_depend_on_the_leaf_that_an_engine_found(turned):
     # Two formulas of the plane z = 0: which one is found first depends on the engine.
