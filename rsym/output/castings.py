@@ -16,7 +16,7 @@ from rsym.output import axes3d
 from rsym.output.bodies import FEATURE_WIDTH, Body
 from rsym.output.brushes import Brush, brush_of, checked_colouring
 from rsym.output.cameras import Viewport
-from rsym.output.rendering import Scene, require_body
+from rsym.output.rendering import Scene, require_body, told_unseen
 from rsym.output.shading import developed, unit
 from rsym.output.sights import Probe, corners_of
 from rsym.sampling.rays import Caster
@@ -40,6 +40,7 @@ class ShadedShape(Body):
         view = view_of(axes, corners_of(self.caster.bounds), (columns, rows), low, scale)
         scene = Scene(self.caster, view, ())
         sight, between = scene.shown(scene.seen())
+        told_unseen(sight, between)
         canvas = scene.painted(sight, self.brush, width, between=between.pixels)
         return low, developed(canvas, None).reshape(rows, columns, 4)[::-1]
 

@@ -134,17 +134,7 @@ def render(
     seen = scene.seen()
     sight, between = scene.shown(seen)
     warn_undefined(shape, caster.bounds, letters)
-    if count := int(np.count_nonzero(sight.hits.undecided)):
-        warn(
-            f"{counted(count)}: the body may have walls there that are thinner than rays tell; remedy: another camera, "
-            "or look at what is closer"
-        )
-    elif between.blind:
-        warn(
-            "what is thinner than a pixel may be missing: bounds of omega round whole pixels are too wide to find it; "
-            "remedy: write omega with fewer terms that cancel, as a product, or build it of rsym's pieces"
-        )
-    elif not len(sight.met):
+    if not told_unseen(sight, between) and not len(sight.met):
         warn("nothing of the body is seen; remedy: other bounds, another camera or section")
     brush = brush_of(colouring, [sight], lambda: Probe.of(caster))
     width = max(LINE * float(np.sqrt(size[0] * size[1])), THINNEST) if lines else 0.0
@@ -162,6 +152,22 @@ def render(
         parts_seen=lambda: brush.parts or part_colours_of([sight]),
         legend=colouring == "part",
     )
+
+
+def told_unseen(sight: Sight, between: Slender) -> bool:
+    """Whether it was warned of what a picture may lack."""
+    count = int(np.count_nonzero(sight.hits.undecided))
+    if count:
+        warn(
+            f"{counted(count)}: the body may have walls there that are thinner than rays tell; remedy: another camera, "
+            "or look at what is closer"
+        )
+    elif between.blind:
+        warn(
+            "what is thinner than a pixel may be missing: bounds of omega round whole pixels are too wide to find it; "
+            "remedy: write omega with fewer terms that cancel, as a product, or build it of rsym's pieces"
+        )
+    return count > 0 or between.blind
 
 
 def require_body(shape: Any) -> None:

@@ -1,5 +1,6 @@
 """What is thinner than a pixel is painted, wherever between rays it is; what cannot be known is told."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import sympy as sp
@@ -82,6 +83,11 @@ def test_what_beams_cannot_tell_is_told():
     twice = rsym.Shape((1 - x**2 - y**2 - z**2) * (x - 0.2) ** 2, (x, y, z), bounds=((-1.5, 1.5),) * 3)
     with pytest.warns(rsym.RsymWarning, match="undecided|thinner than a pixel"):
         rsym.render(twice, size=(32, 24))
+    figure = plt.figure(figsize=(1, 1), dpi=50)
+    rsym.plot_mesh(twice, ax=figure.add_subplot(projection="3d"))
+    with pytest.warns(rsym.RsymWarning, match="undecided|thinner than a pixel"):
+        figure.canvas.draw()
+    plt.close(figure)
 
 
 def test_beams_of_some_pixels_between_two_depths(monkeypatch):
