@@ -95,7 +95,7 @@ class SignForm:
         return {end: {places[leaf]: limit for leaf, limit in at.items() if leaf in places} for end, at in limits}
 
     def remade(self, leaves: Sequence[int], make: Callable[[str, int, int], int] | None = None) -> int:
-        """The node of a form of its signs with other leaves; ends of domains stay that."""
+        """The node of a form of the same signs with others for the leaves; ends of domains stay that."""
         b, ends = self.builder, set(self.ends)
         make = make or b.make
 
@@ -106,9 +106,8 @@ class SignForm:
             domain, value = (f, g) if f_ends else (g, f)
             if gate.operation == "min":
                 return ended(b, domain, value), False
-            return make(
-                gate.operation, *(ended(b, f, b.const(1)) if of_end else f for f, of_end in (one, other))
-            ), False
+            f, g = (ended(b, node, b.const(1)) if is_end else node for node, is_end in (one, other))
+            return make(gate.operation, f, g), False
 
         node, is_end = through(self.gates, [(node, number in ends) for number, node in enumerate(leaves)], join)[-1]
         return ended(b, node, b.const(1)) if is_end else node
@@ -311,6 +310,7 @@ class _Part(NamedTuple):
 
 
 def _operands(builder: Builder, part: _Part) -> Sequence[_Part]:
+    """The operands of a gate; a domain that all counts in stands alone (`domains.ended`)."""
     (number, sign), ends = part
     operation, arguments, _ = builder.nodes[number]
     if not gate_of(operation):

@@ -3,8 +3,8 @@
 A value within the tolerance at an end of a line is a zero there: the boundary may run along the end. It is counted in
 the piece whose inside it bounds, and only if the signs that leaves have beyond make the outside. Crossings closer to
 each other than some tolerances are one; of leaves that have one surface it is the first that bounds. Where some of
-them are ends of domains the gates decide: omega ends there if it is not zero, which it is if the form is negative with
-those others negative, and the domain not ended.
+them are ends of domains the gates decide: another one bounds if the form is negative with all others negative and the
+domains not ended, for then omega is zero there; else it ends.
 """
 
 from __future__ import annotations
