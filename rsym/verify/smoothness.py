@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
 from rsym.bounds.enclosures import ranges_of
 from rsym.errors import RsymError
+from rsym.logic.sign_form import decided, shape_form
 from rsym.model.equation import with_exact_letters
 from rsym.model.requirements import require_count, require_positive, require_shape
 from rsym.model.shape import Shape
+from rsym.program.lowering import lower
 from rsym.sampling.progress import Effort, Progress
 from rsym.sampling.windows import goes_beyond, holds_at_all, outer_bounds
 from rsym.verify.answers.body_report import BodyReport
@@ -37,6 +39,9 @@ def verify_smoothness(
     progress: Progress | None = None,
 ) -> SmoothnessReport | BodyReport:
     """Prove or refute that the boundary omega = 0 is a curve or a surface of continuous curvature (G2).
+
+    Where a part of omega has no value beyond, or a pole, omega is not zero: of a union that end counts as boundary, and
+    of others not; the report says which.
 
     The bounds are subdivided. A box is discarded where omega has no zero; it is certified where every generator of
     non-smoothness that is alive (the zero of a root, |.|, a tie, a denominator) and one component of grad omega
@@ -113,7 +118,7 @@ def verify_smoothness(
 
 
 def _beyond(report: R, shape: Shape, bounds: Any, letters: Mapping[str, Any]) -> R:
-    """The report, which says whether the boundary goes on beyond the window that it speaks of."""
+    """The report, which says whether the boundary goes on beyond its window, and what it counts as boundary."""
     if any(low < high for low, high in letters.values()):
         beyond = False if holds_at_all(shape, outer_bounds(shape, bounds, letters), letters) else None
     else:
@@ -123,7 +128,16 @@ def _beyond(report: R, shape: Shape, bounds: Any, letters: Mapping[str, Any]) ->
         False: "all of the boundary lies within these bounds",
         None: "whether the boundary goes on beyond these bounds is not known",
     }[beyond]
-    return replace(report, statements=(*report.statements, (said, beyond is not None)))
+    return replace(report, statements=(*report.statements, (said, beyond is not None), *_of_ends(shape)))
+
+
+def _of_ends(shape: Shape) -> Iterator[tuple[str, bool]]:
+    """What a report says of a shape that may end where a part of it has no value beyond."""
+    form = shape_form(shape)
+    if form.ends:
+        root = lower(form.builder, shape.expression)
+        count = "that counts" if decided(form.builder, root) != root else "that does not count"
+        yield f"where the shape ends for a part of omega has no value beyond, or a pole, {count} as boundary", True
 
 
 def _in_space(shape: Any, method: str) -> bool:

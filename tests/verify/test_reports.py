@@ -6,9 +6,12 @@ import json
 import math
 
 import pytest
+import sympy as sp
 from oracles import reports
 from oracles.schema import own_keys, strictly_read
 
+import rsym
+from rsym import x, y
 from rsym.reports.numbers import at_most, measured
 from rsym.verify.answers.report import Joint
 
@@ -121,3 +124,13 @@ def test_the_table_escapes_what_it_is_given():
     report = dataclasses.replace(reports.refuted_corner(), letters={"<b>": (1.0, 1.0)}, statements=(("1 < 2", True),))
     assert "&lt;b&gt; = 1" in report._repr_html_()
     assert "1 &lt; 2" in report._repr_html_()
+
+
+def test_a_report_says_whether_ends_of_domains_count_as_boundary():
+    round_part = sp.sqrt(1 - x**2 - y**2) + 1
+    for omega, said in ((round_part, "does not count"), (rsym.disjunction(round_part, y - 3), "that counts")):
+        report = rsym.verify_smoothness(rsym.Shape(omega, (x, y), bounds=((-2, 2),) * 2))
+        (statement,) = [text for text, _ in report.statements if "no value beyond" in text]
+        assert said in statement
+    report = rsym.verify_smoothness(rsym.Shape(1 - x**2 - y**2, (x, y), bounds=((-2, 2),) * 2))
+    assert not any("no value beyond" in text for text, _ in report.statements)
