@@ -10,7 +10,7 @@ import sympy as sp
 from rsym.errors import RsymError
 from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.bounding import BoundingBox, without
-from rsym.model.equation import substituted
+from rsym.model.equation import moved_part, substituted
 from rsym.model.letters import Letters
 from rsym.model.parallels import Parallel, in_lengths, lengths
 from rsym.model.primitives.formulas import ROOM, between
@@ -220,7 +220,7 @@ def sweep(
         substitute(profile.expression, changed),
         (*profile.coordinates, _third(profile)),
         letters=kept.merge(letters),
-        parts=tuple((name, substitute(part, changed)) for name, part in profile.parts),
+        parts=tuple((name, moved_part(part, changed)) for name, part in profile.parts),
     )
     low, high = number(lower, "the lower end"), number(upper, "the upper end")
     box = _with_heights(None if changed else profile.box, (default(low, moving.letters), default(high, moving.letters)))

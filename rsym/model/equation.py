@@ -64,7 +64,7 @@ class Equation:
         store(self, "box", box if bounds is None else stated_box(bounds, len(coordinates)))
         store(self, "definitions", definitions)
         parts = tuple((name, in_known_functions(part)) for name, part in parts)
-        store(self, "parts", tuple((name, substitute(part, real) if real else part) for name, part in parts))
+        store(self, "parts", tuple((name, moved_part(part, real) if real else part) for name, part in parts))
         self._check_symbols()
 
     def _check_symbols(self) -> None:
@@ -160,15 +160,39 @@ def substituted(
             f"the letter {min(taken)!r} would become a coordinate", code="coordinates", remedy="rename the letter"
         )
     factor = sp.sympify(factor)
+    expression = factor * substitute(shape.expression, places)
     return replace(
         shape,
-        expression=factor * substitute(shape.expression, places),
+        expression=expression,
         coordinates=coordinates,
         letters=shape.letters.merge(letters),
         box=box,
         definitions=(),
-        parts=tuple((name, factor * substitute(part, places)) for name, part in shape.parts),
+        parts=tuple(
+            (name, expression if part == shape.expression else moved_part(part, places, factor))
+            for name, part in shape.parts
+        ),
     )
+
+
+def moved_part(part: sp.Expr, places: Mapping[sp.Symbol, sp.Expr], factor: sp.Expr = sp.S.One) -> sp.Expr:
+    """Factor * part(places), which stays found in the formula of the shape that is moved so.
+
+    SymPy multiplies a sum out by a number, and floats round then; inside the formula nothing is multiplied out. So the
+    number stays before the sum.
+
+    Examples
+    --------
+    >>> from rsym import x
+    >>> moved_part(x - 0.1, {x: x - 0.5}, sp.Integer(3))
+    3*(x - 0.6)
+    """
+    kept = part.is_Mul and len(part.args) == 2 and part.args[0].is_Number and part.args[1].is_Add
+    times, inner = part.args if kept else (sp.S.One, part)
+    moved, times = substitute(inner, places), times * factor
+    if times.is_Number and times != 1 and moved.is_Add and (times.is_Float or moved.has(sp.Float)):
+        return sp.Mul(times, moved, evaluate=False)
+    return times * moved
 
 
 def with_exact_letters(shape: S, letters: Mapping[Any, Any] | None) -> tuple[S, dict[str, Any]]:
@@ -194,7 +218,7 @@ def with_exact_letters(shape: S, letters: Mapping[Any, Any] | None) -> tuple[S, 
     moved = shape.with_letters(exact)
     places = {real_symbol(name): value for name, value in exact.items()}
     kept = Letters({name: letter for name, letter in moved.letters.items() if name not in exact})
-    parts = tuple((name, substitute(part, places)) for name, part in moved.parts)
+    parts = tuple((name, moved_part(part, places)) for name, part in moved.parts)
     made = replace(
         moved, expression=substitute(moved.expression, places), letters=kept, definitions=(), box=moved.box, parts=parts
     )

@@ -245,11 +245,13 @@ def measured(shape, truth, size=1.0):
 def moved(case, shape, truth):
     """What is enlarged, turned and mirrored has the same names."""
     chance = random.Random(case.seed)
-    size = chance.choice((2, 3, sp.Rational(1, 2), sp.Rational(7, 10), sp.Rational(1, 6)))
+    size = chance.choice((2, 3, sp.Rational(1, 2), sp.Rational(7, 10), sp.Rational(1, 6), 10, 0.1, 25.4, 1 / 3))
     ways = [
         lambda one: one.scale(size),
-        lambda one: one.rotate(chance.choice((sp.pi / 4, sp.pi / 6, sp.Rational(3, 10)))),
-        lambda one: one.translate(*[chance.choice((1, sp.Rational(-3, 7))) for _ in range(case.dimension)]),
+        lambda one: one.rotate(chance.choice((sp.pi / 4, sp.pi / 6, sp.Rational(3, 10), 0.7))),
+        lambda one: one.translate(
+            *[chance.choice((1, sp.Rational(-3, 7), 0.3, -1 / 7)) for _ in range(case.dimension)]
+        ),
     ]
     chance.shuffle(ways)
     for way in ways:

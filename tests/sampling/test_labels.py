@@ -46,6 +46,18 @@ def test_where_faces_coincide_both_names_are_kept():
     assert rsym.integrate(1, OVERLAP, over="A / B") == pytest.approx(both, rel=1e-10)
 
 
+@pytest.mark.parametrize("scale", [10, 25.4, 1 / 3])
+def test_parts_whose_numbers_are_floats_keep_their_names_when_they_are_scaled(scale):
+    """SymPy multiplies sums out, each float rounded for itself, of the part and not inside of the shape."""
+    made = rsym.disc(1.5).named("rim")
+    for radius, place in ((1 / 4, 1 / 2), (1 / 7, -1 / 3)):
+        made = made - rsym.disc(radius, (place, 0)).named("hole")
+    row = rsym.row(rsym.disc(0.1271), 0.7, count=3).translate(5.1 / 3, 1 / 7).named("row")
+    found = rsym.measure((made | row).scale(scale).rotate(0.3).scale(1 / 7)).parts
+    sizes = {"rim": 1.5, "hole": 1 / 4 + 1 / 7, "row": 3 * 0.1271}
+    assert found == {name: pytest.approx(2 * math.pi * size * scale / 7) for name, size in sizes.items()}
+
+
 @pytest.mark.parametrize("scale", [1, 3, 1.7])
 def test_a_group_of_one_box_twice_goes_without_saying_when_it_is_scaled(scale):
     pair = (rsym.rectangle(2, 1).named("A") | rsym.rectangle(2, 1).named("B")).named("E")
