@@ -23,7 +23,8 @@ from rsym.model.wording import listing, proposal
 def assemble(model: ModelFile, shape: str | None, variant: str | None) -> Shape:
     """The chosen shape of a model with the chosen letters."""
     chosen, letters = _chosen(model, shape), _letters(model, variant)
-    known, needed = inlined(model, letters), _needed(model, chosen)
+    calls, needed = Calls(model.coordinates, letters, model.system), _needed(model, chosen)
+    known = inlined(model, letters, calls)
     expression = known[chosen].outer
     used = {symbol.name for symbol in symbols_of(expression)}
     return Shape(
@@ -32,7 +33,9 @@ def assemble(model: ModelFile, shape: str | None, variant: str | None) -> Shape:
         letters={name: letter for name, letter in letters.items() if name in used or model.verbatim},
         bounds=model.bounds,
         definitions=_definitions(model, needed),
-        parts=_given_parts(model, letters, known) if model.parts or model.verbatim else _parts(needed, known),
+        parts=_given_parts(model, letters, known)
+        if model.parts or model.verbatim
+        else _parts(needed, expression, calls),
     )
 
 
@@ -63,19 +66,21 @@ def _letters(model: ModelFile, variant: str | None) -> dict[str, Letter]:
     return {**model.letters, **model.variants[variant]}
 
 
-def inlined(model: ModelFile, letters: Mapping[str, Letter]) -> dict[str, Built]:
-    """Every formula with the others written into it; a part that is used twice is one object."""
-    builder, known = builder_of(model, letters), _given(model)
+def inlined(model: ModelFile, letters: Mapping[str, Letter], calls: Calls | None = None) -> dict[str, Built]:
+    """Every formula with the others written into it; a part that is used twice is one object, and `calls` know it."""
+    calls = calls or Calls(model.coordinates, letters, model.system)
+    builder, known = builder_of(model, letters, calls), _given(model)
     for assignment in model.assignments:
         check_names(assignment.value, known, model, assignment.name)
-        known[assignment.name] = builder.build(assignment.value, known)
+        known[assignment.name] = built = builder.build(assignment.value, known)
+        calls.parts.append((assignment.name, built.outer))
     return known
 
 
-def builder_of(model: ModelFile, letters: Mapping[str, Letter]) -> FormulaBuilder:
+def builder_of(model: ModelFile, letters: Mapping[str, Letter], calls: Calls | None = None) -> FormulaBuilder:
     """What builds the formulas of a model."""
     kind = Verbatim if model.verbatim else FormulaBuilder
-    calls = Calls(model.coordinates, letters, model.system)
+    calls = calls or Calls(model.coordinates, letters, model.system)
     return kind(operations(model.system), calls, frozenset(map(real_symbol, model.coordinates)))
 
 
@@ -105,10 +110,11 @@ def _definitions(model: ModelFile, needed: list[Assignment]) -> tuple[tuple[str,
     return tuple((assignment.name, builder.build(assignment.value, known).outer) for assignment in needed)
 
 
-def _parts(needed: list[Assignment], known: Mapping[str, Built]) -> tuple[tuple[str, sp.Expr], ...]:
+def _parts(needed: list[Assignment], expression: sp.Expr, calls: Calls) -> tuple[tuple[str, sp.Expr], ...]:
     """The formulas whose text says what they are; where none has one, every formula by its name."""
     told = [assignment for assignment in needed if assignment.doc]
-    return tuple((one.doc or one.name, known[one.name].outer) for one in told or needed if one.doc or not one.inner)
+    named = [one for one in told or needed if one.doc or not one.inner]
+    return tuple((one.doc or one.name, part) for one in named for part in calls.kept(expression, one.name))
 
 
 def _given(model: ModelFile) -> dict[str, Built]:

@@ -8,7 +8,8 @@ docstring, in a module of `model/primitives`, and its name in a row below.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator, Mapping
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from importlib import import_module
@@ -22,6 +23,7 @@ from rsym.language.building import Built
 from rsym.language.functions import named_system
 from rsym.language.syntax import Call
 from rsym.model.letters import Letter
+from rsym.model.named_parts import Inside
 from rsym.model.nodes import RealNode
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, substitute, symbols_of, x, y, z
@@ -133,11 +135,16 @@ SPACE = frozenset(name for name, piece in PIECES.items() if piece.space)
 
 @dataclass(frozen=True)
 class Calls:
-    """What all calls of one model share."""
+    """What all calls of one model share, and the formulas so far: a call moves those inside of what it moves.
+
+    `parts` are their names and themselves, `left` those that were moved from there.
+    """
 
     coordinates: tuple[str, ...]
     letters: Mapping[str, Letter]
     system: RSystem
+    parts: list[tuple[str, sp.Expr]] = field(default_factory=list)
+    left: set[tuple[str, sp.Expr]] = field(default_factory=set)
 
     def __call__(self, node: Call, parts: list[Built]) -> sp.Expr:
         """The formula that a piece makes.
@@ -168,9 +175,22 @@ class Calls:
             raise node.place.refuse(
                 f"{node.function} makes a body, but the model is one of the plane", "coordinates", "coordinates x y z"
             )
-        expression = made.expression if isinstance(made, Shape) else made
-        expression = substitute(expression, self._names(back=True))
-        return expression
+        if not isinstance(made, Shape):
+            return substitute(made, self._names(back=True))
+        return substitute(made.expression, self._names(back=True))
+
+    def kept(self, expression: sp.Expr, name: str) -> list[sp.Expr]:
+        """The formulas of a name in another one: moved along, and where they were if that is there too."""
+        inside = Inside(expression)
+        return [
+            formula
+            for title, formula in self.parts
+            if title == name and ((title, formula) not in self.left or formula in inside)
+        ]
+
+    def _renamed(self, parts: Iterable[tuple[str, sp.Expr]], back: bool = False) -> list[tuple[str, sp.Expr]]:
+        names = self._names(back)
+        return [(name, substitute(part, names) if names else part) for name, part in parts]
 
     @property
     def _known(self) -> dict[str, Letter]:
@@ -198,9 +218,20 @@ class Calls:
         given = {"letters": letters, "system": self.system}
         shared = {name: value for name, value in given.items() if piece.takes(name) and name not in named}
 
+        values = bound.args[: piece.shapes]
+        every = self._renamed(self.parts)
+        inside = [tuple(part for part in every if part[1] in formulas) for formulas in map(Inside, values)]
+
         def made(dimension: int) -> Shape | sp.Expr:
-            shapes = [Shape(value, (x, y, z)[:dimension], letters=letters) for value in bound.args[: piece.shapes]]
+            shapes = [
+                Shape(value, (x, y, z)[:dimension], letters=letters, parts=parts)
+                for value, parts in zip(values, inside, strict=True)
+            ]
             result: Shape | sp.Expr = piece.function(*shapes, *rest, **named, **shared)
+            if isinstance(result, Shape) and any(inside):
+                moved = self._renamed(result.parts, back=True)
+                self.left.update({*self._renamed(itertools.chain(*inside), back=True)} - {*moved})
+                self.parts.extend(part for part in moved if part not in self.parts)
             return result
 
         whole = 2 if piece.plane else len(self.coordinates)

@@ -217,7 +217,7 @@ class _Named:
         known = {*builder.coordinates, *builder.letters}
         # A part may speak of letters that have cancelled out of the shape: it is no part of it any more.
         given = [part for part in shape.parts if all(symbol.name in known for symbol in symbols_of(part[1]))]
-        # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a. Factors it multiplies out.
+        # SymPy moves the sign of -(a - b) inwards, so a negation may be another formula: b - a. It multiplies out.
         plain = [part.as_coeff_Mul()[1] for _, part in given]
         nodes = lower_all(builder, [signed for part in plain for signed in map(with_gates, (part, -part))])
         written, alike = _Numbers(_as_written, form), _Numbers(unscaled, form)

@@ -178,8 +178,8 @@ def substituted(
 def moved_part(part: sp.Expr, places: Mapping[sp.Symbol, sp.Expr], factor: sp.Expr = sp.S.One) -> sp.Expr:
     """Factor * part(places), which stays found in the formula of the shape that is moved so.
 
-    SymPy multiplies a sum out by a number, and floats round then; inside the formula nothing is multiplied out. So the
-    number stays before the sum.
+    SymPy multiplies a sum out by a number, floats round then, and inside of the formula nothing is multiplied out. So
+    the number stays before the sum.
 
     Examples
     --------
@@ -190,7 +190,7 @@ def moved_part(part: sp.Expr, places: Mapping[sp.Symbol, sp.Expr], factor: sp.Ex
     kept = part.is_Mul and len(part.args) == 2 and part.args[0].is_Number and part.args[1].is_Add
     times, inner = part.args if kept else (sp.S.One, part)
     moved, times = substitute(inner, places), times * factor
-    if times.is_Number and times != 1 and moved.is_Add and (times.is_Float or moved.has(sp.Float)):
+    if times.is_Number and times != 1 and moved.is_Add:
         return sp.Mul(times, moved, evaluate=False)
     return times * moved
 

@@ -35,7 +35,7 @@ def part_of(shape: S, name: str) -> S:
     """
     group = _group(shape, name)
     expression = group[0] if len(group) == 1 else R0.disjunction(*group)
-    inside = _Inside(*group)
+    inside = Inside(*group)
     return replace(
         shape,
         expression=expression,
@@ -74,7 +74,7 @@ def with_part(shape: S, name: str, other: Equation) -> S:
             code="part",
             remedy="build the shape of parts that R-operations join, each made by shape.named(name)",
         )
-    before, after = _Inside(shape.expression), _Inside(expression)
+    before, after = Inside(shape.expression), Inside(expression)
     parts: dict[tuple[str, sp.Expr], None] = {}
     for title, part in shape.parts:
         changed = (name, other.expression) if part in old else (title, swap.within(part))
@@ -100,7 +100,7 @@ def _group(shape: Equation, name: Any) -> tuple[sp.Expr, ...]:
         remedy = proposal(name, names, "ask for one of these" if names else otherwise)
         raise RsymError(f"no part {name!r}; the shape has {listing(names)}", code="unknown-part", remedy=remedy)
     group = list(dict.fromkeys(part for title, part in shape.parts if title == name))
-    inside = {part: _Inside(part) for part in group}
+    inside = {part: Inside(part) for part in group}
     return tuple(part for part in group if not any(part != other and part in inside[other] for other in group))
 
 
@@ -108,8 +108,8 @@ def _letters(shape: Equation, expression: sp.Expr) -> list[sp.Symbol]:
     return [symbol for symbol in symbols_of(expression) if symbol.name in shape.letters]
 
 
-class _Inside:
-    """What formulas have within them, signs apart; the first operands of a fold are a formula in it."""
+class Inside:
+    """What formulas have within them, signs and numbers before sums and folds apart; first operands of folds too."""
 
     def __init__(self, *expressions: sp.Expr) -> None:
         self._parts = set(postorder(*expressions))
@@ -121,7 +121,9 @@ class _Inside:
         }
 
     def __contains__(self, part: sp.Expr) -> bool:
-        return part in self._parts or -part in self._parts
+        inner = part.as_coeff_Mul()[1]
+        plain = inner if inner.is_Add or isinstance(inner, Fold) else part
+        return any(one in self._parts for one in (part, -part, plain, -plain))
 
 
 def _operands(part: sp.Expr) -> tuple[sp.Expr, ...]:
@@ -216,7 +218,7 @@ class _Swap:
             return None
 
         for node in postorder(expression):
-            if isinstance(node, ZeroWith) and any(old in _Inside(node) for old in self._loose):
+            if isinstance(node, ZeroWith) and any(old in Inside(node) for old in self._loose):
                 raise RsymError(
                     "the formula was made of derivatives, which would stay those of the old part",
                     code="part",

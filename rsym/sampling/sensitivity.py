@@ -37,9 +37,10 @@ from rsym.program.differentiation import derivative
 from rsym.reports.document import Document, Sentence
 from rsym.reports.numbers import number, short
 from rsym.reports.render import Report
-from rsym.sampling.boundaries import NODES, WEIGHTS, boundary
+from rsym.sampling.boundaries import BEND, NODES, WEIGHTS
 from rsym.sampling.contours import cropped
 from rsym.sampling.leaf_fields import BY_LETTER, LeafFields
+from rsym.sampling.level_lines import level_lines
 from rsym.sampling.mesh import Mesh
 from rsym.sampling.meshing import mesh
 from rsym.sampling.plane_leaves import NEWTON_STEPS, PlaneLeaves, leaves_of
@@ -51,6 +52,7 @@ INNER, OUTER = 0.445948490915965, 0.091576213509771
 TRIANGLE = np.array([np.roll((1 - 2 * one, one, one), k) for one in (INNER, OUTER) for k in range(3)])
 SHARES = np.repeat([0.223381589678011, 0.109951743655322], 3)
 UNKNOWN = 1e-6  # of the boundary: a speed that is undefined on less is no matter
+HALVINGS = 6  # a quarter of a circle becomes chords of 1.4 degrees
 STRETCH = (0.5, 2.0)  # what of a curved piece over its triangle is believed: beyond, the mesh does not resolve it
 
 
@@ -121,7 +123,7 @@ class Sensitivity(Report):
         Raises RsymError for a shape in space.
         """
         self._require(2, "lines", "mesh")
-        found = boundary(self.shape.with_letters(self.letters), self.bounds, self.resolution)
+        found = level_lines(self.shape, resolution=self.resolution, bounds=self.bounds, letters=self.letters)
         return tuple(self._turned(line) for line in cropped(found.lines, self.bounds)[0])
 
     @cached_property
@@ -164,23 +166,44 @@ class Sensitivity(Report):
         lines = [np.empty((0, 2)), *self.lines]
         start, end = (np.concatenate([line[part] for line in lines]) for part in (slice(None, -1), slice(1, None)))
         length = np.hypot(*(end - start).T)
-        start, end, length = start[length > 0], end[length > 0], length[length > 0]
-        across = np.stack([(end - start)[:, 1], -(end - start)[:, 0]], axis=1) / length[:, None]
+        start, end = start[length > 0], end[length > 0]
         leaf = self._leaves.active((start + end) / 2)[1]
+        start, end, leaf = self._straightened(start, end, leaf)
         total = 0.0
         for node, share in zip(NODES, WEIGHTS, strict=True):
-            points = start + node * (end - start)
-            for _ in range(NEWTON_STEPS):
-                ((value, gradient),) = self._leaves.of(points, leaf)
-                with np.errstate(all="ignore"):
-                    step = value / np.einsum("ij,ij->i", gradient, across)
-                points = points - np.where(np.abs(step) <= length, step, 0.0)[:, None] * across
+            points = self._over(start, end, node, leaf)
             ((_, gradient),) = self._leaves.of(points, leaf)
+            across, length = _across(start, end)
             with np.errstate(all="ignore"):
                 outwards = np.abs(np.einsum("ij,ij->i", gradient, across))
                 slope = np.linalg.norm(gradient, axis=1)
                 total += _summed(self._of_leaves(points, leaf, gradient) * slope / outwards, share * length)
         return total
+
+    def _over(self, start: Floats, end: Floats, node: float, leaf: Ints) -> Floats:
+        """The points of the leaf over a share of each chord."""
+        across, length = _across(start, end)
+        points = start + node * (end - start)
+        for _ in range(NEWTON_STEPS):
+            ((value, gradient),) = self._leaves.of(points, leaf)
+            with np.errstate(all="ignore"):
+                step = value / np.einsum("ij,ij->i", gradient, across)
+            points = points - np.where(np.abs(step) <= length, step, 0.0)[:, None] * across
+        return points
+
+    def _straightened(self, start: Floats, end: Floats, leaf: Ints) -> tuple[Floats, Floats, Ints]:
+        """Chords halved until their leaves hardly turn over them, those of small holes above all."""
+        for _ in range(HALVINGS):
+            ((_, before),), ((_, after),) = (self._leaves.of(points, leaf) for points in (start, end))
+            bent = np.abs(np.angle((before @ [1, 1j]) * (after @ [1, -1j]))) > BEND
+            if not bent.any():
+                break
+            middle = self._over(start[bent], end[bent], 0.5, leaf[bent])
+            start, rest = np.concatenate([start, middle]), end[bent]
+            end = np.concatenate([end, rest])
+            end[: -len(rest)][bent] = middle
+            leaf = np.concatenate([leaf, leaf[bent]])
+        return start, end, leaf
 
     def document(self) -> Document:
         """What a unit of the letter does."""
@@ -252,6 +275,13 @@ class Sensitivity(Report):
             ((_, gradient),) = self._leaves.of(points, leaf)
             ends.append(self._of_leaves(points, leaf, gradient))
         return np.stack(ends, axis=1)
+
+
+def _across(start: Floats, end: Floats) -> tuple[Floats, Floats]:
+    """Unit vectors across chords, and their lengths."""
+    along = end - start
+    length = np.hypot(*along.T)
+    return np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None], length
 
 
 def sensitivity(

@@ -1,6 +1,7 @@
 """How the boundary moves with a letter: against exact volumes, differences of volumes, and moved points."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -149,3 +150,15 @@ def test_what_is_refused(call, code):
         call()
     assert raised.value.code == code
     assert raised.value.remedy
+
+
+@pytest.mark.parametrize("thin", [100, 3000])
+def test_what_is_thinner_than_the_lattice_moves_too(thin):
+    a = sp.Symbol("a", positive=True)
+    width = a / thin
+    fin = rsym.disc(1) | rsym.rectangle(width, 4, letters={a: 1})
+    half = 0.5 / thin  # it is beside the disc from sqrt(1 - half**2) to 2
+    truth = (4 - 2 * math.sqrt(1 - half**2)) / thin
+    assert rsym.sensitivity(fin, "a").area_derivative == pytest.approx(truth, rel=1e-9)
+    hole = rsym.disc(2) - rsym.disc(width, (0.5, 0.3), letters={a: 1})
+    assert rsym.sensitivity(hole, "a").area_derivative == pytest.approx(-2 * math.pi / thin**2, rel=1e-9)
