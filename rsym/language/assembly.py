@@ -70,10 +70,13 @@ def inlined(model: ModelFile, letters: Mapping[str, Letter], calls: Calls | None
     """Every formula with the others written into it; a part that is used twice is one object, and `calls` know it."""
     calls = calls or Calls(model.coordinates, letters, model.system)
     builder, known = builder_of(model, letters, calls), _given(model)
+    told = any(assignment.doc for assignment in model.assignments)
+    whole = _chosen(model, None) if model.assignments else ""
     for assignment in model.assignments:
         check_names(assignment.value, known, model, assignment.name)
         known[assignment.name] = built = builder.build(assignment.value, known)
-        calls.parts.append((assignment.name, built.outer))
+        is_title = bool(assignment.doc) if told else assignment.name != whole
+        calls.name(assignment.name, built.outer, is_title)
     return known
 
 

@@ -137,13 +137,14 @@ SPACE = frozenset(name for name, piece in PIECES.items() if piece.space)
 class Calls:
     """What all calls of one model share, and the formulas so far: a call moves those inside of what it moves.
 
-    `parts` are their names and themselves, `left` those that were moved from there.
+    `named` are their names and themselves, `moved` the same elsewhere, `left` those that were moved from there.
     """
 
     coordinates: tuple[str, ...]
     letters: Mapping[str, Letter]
     system: RSystem
-    parts: list[tuple[str, sp.Expr]] = field(default_factory=list)
+    named: list[tuple[str, sp.Expr]] = field(default_factory=list)
+    moved: list[tuple[str, sp.Expr]] = field(default_factory=list)
     left: set[tuple[str, sp.Expr]] = field(default_factory=set)
 
     def __call__(self, node: Call, parts: list[Built]) -> sp.Expr:
@@ -179,12 +180,18 @@ class Calls:
             return substitute(made, self._names(back=True))
         return substitute(made.expression, self._names(back=True))
 
+    def name(self, name: str, formula: sp.Expr, is_title: bool) -> None:
+        """Know a formula; one that a call has moved gets a new name by a title, as `Shape.named` gives it."""
+        self.named.append((name, formula))
+        if is_title:
+            self.moved[:] = [part for part in self.moved if part[1] != formula]
+
     def kept(self, expression: sp.Expr, name: str) -> list[sp.Expr]:
         """The formulas of a name in another one: moved along, and where they were if that is there too."""
         inside = Inside(expression)
         return [
             formula
-            for title, formula in self.parts
+            for title, formula in (*self.named, *self.moved)
             if title == name and ((title, formula) not in self.left or formula in inside)
         ]
 
@@ -219,7 +226,7 @@ class Calls:
         shared = {name: value for name, value in given.items() if piece.takes(name) and name not in named}
 
         values = bound.args[: piece.shapes]
-        every = self._renamed(self.parts)
+        every = self._renamed((*self.named, *self.moved))
         inside = [tuple(part for part in every if part[1] in formulas) for formulas in map(Inside, values)]
 
         def made(dimension: int) -> Shape | sp.Expr:
@@ -231,7 +238,7 @@ class Calls:
             if isinstance(result, Shape) and any(inside):
                 moved = self._renamed(result.parts, back=True)
                 self.left.update({*self._renamed(itertools.chain(*inside), back=True)} - {*moved})
-                self.parts.extend(part for part in moved if part not in self.parts)
+                self.moved.extend(part for part in moved if part not in (*self.named, *self.moved))
             return result
 
         whole = 2 if piece.plane else len(self.coordinates)

@@ -9,13 +9,14 @@ have its value (`Faces.active`). Where several faces do, the names of all are ke
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 import sympy as sp
 
+from rsym.errors import warn
 from rsym.logic.gates import through
 from rsym.logic.sign_form import SignForm, shape_form, sign_form
 from rsym.logic.stripping import bare, scaled, unscaled
@@ -23,6 +24,7 @@ from rsym.model.blends.gates import with_gates
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
+from rsym.model.wording import listing
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower_all
 from rsym.program.program import live
@@ -155,6 +157,7 @@ def faces_of(form: SignForm, shape: Shape) -> Faces:
     lost = set(range(len(named.parts))) - {number for places in found.values() for place in places for number in place}
     if lost:  # nothing in the formula has their gates any more; their leaves are theirs
         found = _places(form, named.by_leaves(lost))
+        named.tell_of_pieces(lost, {number for places in found.values() for place in places for number in place})
     order = [(operand, parts) for operand in sorted(found, reverse=True) for parts in found[operand]]
     number = {key: k for k, key in enumerate(order)}
     above: defaultdict[int, list[int]] = defaultdict(list)
@@ -236,6 +239,20 @@ class _Named:
         outside = {chain[0] for operand in _outside(form, begins) for chain in begins[operand]}
         own = frozenset(number for number in outside if parts[number].size == 1)
         return cls(named.parts, begins, keys, own)
+
+    def tell_of_pieces(self, lost: Iterable[int], found: Collection[int]) -> None:
+        """Warn of names that only some of their parts have, or a part on only some of its leaves."""
+        known = {self.parts[number].name for number in range(len(self.parts)) if number in found}
+        pieces = [
+            part.name
+            for number, part in ((number, self.parts[number]) for number in lost)
+            if part.name in known and (number not in found or not part.leaves <= {*self.keys})
+        ]
+        if pieces:
+            warn(
+                f"not all of {listing(dict.fromkeys(pieces))} can be told in the formula, where parts have become one "
+                "leaf: what is asked of that name is of the rest; remedy: name what comes out, with shape.named"
+            )
 
     def by_leaves(self, lost: Iterable[int]) -> _Named:
         """The same, some parts at their leaves."""

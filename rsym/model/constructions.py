@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import sympy as sp
@@ -12,6 +12,7 @@ from rsym.model.arguments import LetterMapping, default, number, positive
 from rsym.model.bounding import BoundingBox, without
 from rsym.model.equation import moved_part, substituted
 from rsym.model.letters import Letters
+from rsym.model.named_parts import Inside
 from rsym.model.parallels import Parallel, in_lengths, lengths
 from rsym.model.primitives.formulas import ROOM, between
 from rsym.model.requirements import require_shape
@@ -313,9 +314,23 @@ def offset(shape: Shape, distance: Any, *, letters: LetterMapping = None) -> Sha
     grown, known = number(distance, "a distance"), shape.letters.merge(letters)
     box = shape.box and _grown(shape.box, max(default(grown, known), 0.0))
     parallel = Parallel(shape.coordinates, known)
-    moved = Shape(parallel.moved(shape.expression, grown), shape.coordinates, letters=known, box=box)
+    expression = parallel.moved(shape.expression, grown)
+    parts = tuple(_moved_parts(shape, expression, known, grown))
+    moved = Shape(expression, shape.coordinates, letters=known, box=box, parts=parts)
     _tell_of_range(parallel, shape, moved, default(grown, known), "offset")
     return moved
+
+
+def _moved_parts(
+    shape: Shape, expression: sp.Expr, letters: Letters, distance: sp.Expr
+) -> Iterator[tuple[str, sp.Expr]]:
+    """The parts of a shape where its offset, this expression, has them: those that are cut out are moved inwards."""
+    inside = Inside(expression)
+    for name, part in shape.parts:
+        for by in (distance, -distance):
+            moved = Parallel(shape.coordinates, letters).moved(part.as_coeff_Mul()[1], by)
+            if moved in inside:
+                yield name, moved
 
 
 def shell(shape: Shape, thickness: Any, *, system: RSystem = R0, letters: LetterMapping = None) -> Shape:

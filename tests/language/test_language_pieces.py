@@ -1,5 +1,6 @@
 """Pieces in model files: the same programs as in Python, other coordinates, clear refusals."""
 
+import math
 from fractions import Fraction
 
 import pytest
@@ -321,3 +322,23 @@ def test_a_letter_may_stand_for_a_whole_number():
         rsym.loads("letter n = 2.5; omega = regular_polygon(n)")
     with pytest.raises(RsymError, match="400 is the most"):
         rsym.loads("letter n = 900; omega = regular_polygon(n)")
+
+
+MOVED_PARTS = {
+    "translate(rfAND(plate, rfNOT(hole)), [1, 0])": {"plate": 10, "hole": math.pi},
+    "scale(rotate(rfAND(plate, rfNOT(hole)), 0.3), 2.5)": {"plate": 25, "hole": 2.5 * math.pi},
+    "rfOR(plate, translate(rfAND(plate, rfNOT(hole)), [5, 0]))": {"plate": 20, "hole": math.pi},
+    "mirrored(translate(hole, [2, 0]), [1, 0])": {"hole": 2 * math.pi},
+}
+
+
+@pytest.mark.parametrize("formula", MOVED_PARTS)
+def test_calls_move_the_parts_of_what_they_move(formula):
+    shape = rsym.loads(f'plate = rectangle(3, 2) "plate"\nhole = disc(0.5) "hole"\nomega = {formula}')
+    assert rsym.measure(shape).parts == {name: pytest.approx(size) for name, size in MOVED_PARTS[formula].items()}
+
+
+def test_what_is_moved_gets_another_name_as_in_python():
+    text = "a = rectangle(1, 1){0}\nb = translate(a, [3, 0]){1}\nomega = rfOR(a, b)"
+    for titles in (("", ""), (' "a"', ' "b"')):
+        assert rsym.measure(rsym.loads(text.format(*titles))).parts == {name: pytest.approx(4) for name in "ab"}

@@ -171,3 +171,10 @@ def test_the_floor_of_one_box_on_the_lid_of_the_next_is_a_face_of_neither():
 def test_a_page_shows_each_part_by_a_leaf_of_its_own():
     page = page_of(SQUARES)
     assert '"leaves":["A","A","B","B"]' in page
+
+
+def test_what_is_offset_keeps_its_names():
+    plate = rsym.rectangle(8, 6).named("plate") - rsym.disc(0.5).named("hole") - rsym.disc(0.2, (-2, 0)).named("hole")
+    grown = rsym.offset(plate.named("all").scale(2), -0.1)
+    truth = {"plate": 56 - 8 * 0.1, "hole": 2 * math.pi * (1.4 + 0.2)}
+    assert rsym.measure(grown).parts == {name: pytest.approx(size) for name, size in truth.items()}
