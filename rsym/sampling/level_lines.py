@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, overload
 
 import numpy as np
@@ -12,6 +13,7 @@ from rsym.errors import RsymError
 from rsym.model.letters import real_number
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
+from rsym.program.calculus import FORMS
 from rsym.sampling.contours import (
     LevelLines,
     LevelLinesStatus,
@@ -87,7 +89,9 @@ def level_lines(
         For each level, in the order given, a sequence of (n, 2) arrays with the region where the field exceeds the
         level to their left; ``.length``, ``.area`` and ``.to_shapely()`` measure it. At level 0, and at others of a
         value that is a min and max (of R1), corners are exact, but those under roots, and vertices on straight parts
-        are left out; ``.status`` counts corners that are cut off, and the vertices that could not be moved.
+        are left out; ``.status`` counts corners that are cut off, and the vertices that could not be moved. What is
+        thinner than a cell is looked for where omega, or omega normalised, is 0; elsewhere ``.status`` says that it
+        was not.
 
     Raises
     ------
@@ -115,9 +119,8 @@ def level_lines(
     wanted = [float(real_number(one, "the level")) for one in asked]
     if not wanted:
         raise RsymError("no level is given", code="levels", remedy="level=0, or level=[-1, 0, 1]")
-    sampler = plane_sampler(
-        shape, field, resolution=resolution, bounds=bounds, letters=letters, section=section, force=force
-    )
+    options: dict[str, Any] = {"resolution": resolution, "bounds": bounds, "letters": letters, "section": section}
+    sampler = plane_sampler(shape, field, force=force, **options)
     values = sampler.values()
     if isinstance(shape, GivenField):
         inside = plane_sampler(shape.shape, "value", resolution=resolution, bounds=bounds, section=section, force=force)
@@ -125,6 +128,9 @@ def level_lines(
     elif field == "value":
         warn_undefined(plane_section(shape, section)[0], sampler.bounds, letters)
     found = tuple(trace(sampler, one, field, values=values, bounds=sampler.bounds) for one in wanted)
+    if 0 in wanted and field in {"normalised", *FORMS} and isinstance(shape, Shape):  # zero where omega is
+        zero = replace(level_lines(shape, force=force, **options), field=field)
+        found = tuple(zero if one == 0 else lines for one, lines in zip(wanted, found, strict=True))
     return found if asked is level else found[0]
 
 

@@ -108,8 +108,8 @@ def mesh(
         what stays unresolved is told as ever.
     method : {"sharp", "smooth"}
         "sharp": adaptive, closed, exact edges and corners where two or three leaves of the sign form meet.
-        "smooth": marching cubes on samples of omega, every crossing recomputed in float64; the reference. Without
-        the package numba "smooth" takes the place of "sharp".
+        "smooth": marching cubes on samples of omega, every crossing recomputed in float64; the reference, which does
+        not look for what is thinner than a cell. Without the package numba "smooth" takes the place of "sharp".
     bounds, letters
         Override those of the shape. Without any bounds a box that provably holds the surface is found.
     cap : bool
@@ -253,7 +253,7 @@ def _smoothly(shape: Shape, request: MeshRequest) -> Mesh:
     lattice = lattice_over(box, request.resolution, math.inf)
     SAMPLES.check(request.resolution, lattice.counts, force=request.force)
     result = smooth_mesh(shape, lattice, request.letters, request.executor, request.progress)
-    return replace(result, found=replace(result.findings, resolution=request.resolution))
+    return replace(result, found=replace(result.findings, resolution=request.resolution, examined=False))
 
 
 def _sharply(shape: Shape, request: MeshRequest) -> Mesh:

@@ -151,6 +151,8 @@ class Findings:
         Where something may be thinner than a cell, a zero sheet has no change of sign, or bodies touch.
     thin, small : Detail, optional
         Walls and gaps thinner than a cell; pieces of less than three cells.
+    examined : bool
+        Whether what is thinner than a cell was looked for.
     """
 
     clipped_at: tuple[str, ...] = ()
@@ -163,6 +165,7 @@ class Findings:
     unresolved: tuple[Suspect, ...] = ()
     thin: Detail | None = None
     small: Detail | None = None
+    examined: bool = True
 
     def moved(self, image: Callable[[Point], Point], sides: tuple[BoundsSide, ...]) -> Findings:
         """The same of a mesh whose points have moved; `sides` are the images of the sides, those that are sides still.
@@ -268,6 +271,7 @@ class MeshStatus(Measures, Findings, Report):
         shape = f"{self.triangles} triangles in {pieces}, {self._state}"
         # No remark: float32 put them on a lattice point, so they are off by a ten-thousandth of a cell.
         kept = [f"Vertices unresolved, kept where linear interpolation put them: {self.kept}."] if self.kept else []
+        kept += [] if self.examined else ["What is thinner than a cell was not looked for."]
         places = tuple(Entry(suspect.remark, False, told=False) for suspect in self.unresolved)
         return Document(
             "mesh-status",

@@ -155,3 +155,17 @@ def test_a_corner_beyond_all_numbers_is_none():
     joints = Joints(np.array([[0.0, 0.0]]), np.array([[0.0, 1.0]]), np.array([0]), np.array([1]))
     with np.errstate(all="raise"):
         assert not _one_corner(leaves, joints, 0.1)[1].any()
+
+
+@pytest.mark.parametrize("field", ["normalised", "normalised_2"])
+def test_what_is_normalised_has_the_lines_of_omega(field):
+    finned = rsym.disc(1) | rsym.rectangle(0.003, 4)
+    lines = rsym.level_lines(finned, [0.2, 0.0], field=field, resolution=64)[1]
+    assert lines.field == field
+    assert lines.length == pytest.approx(rsym.level_lines(finned, resolution=64).length, rel=1e-12)
+    assert lines.length == pytest.approx(2 * math.pi + 4, rel=1e-3)
+
+
+def test_a_smooth_mesh_says_that_it_did_not_look_for_what_is_thin():
+    bored = rsym.box(2, 2, 2) - rsym.cylinder(0.003, 3, (0.3, 0.2, 0))
+    assert "thinner than a cell was not looked for" in str(rsym.mesh(bored, 16, method="smooth").status)
