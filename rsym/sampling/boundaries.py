@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.model.shape import Shape
-from rsym.sampling.isolines import index_lines
+from rsym.sampling.level_lines import trace
 from rsym.sampling.plane import PlaneSampler, plane_sampler
 
 RESOLUTION = 256
@@ -92,8 +92,8 @@ def boundary(shape: Shape, bounds: Sequence[Sequence[float]], resolution: int = 
     """
     sampler = plane_sampler(shape, "value", resolution=resolution, bounds=tuple(bounds))
     extent = max(high - low for low, high in bounds)
-    found = index_lines(sampler.values() if sampler.large is None else sampler.signs(), 0.0)
-    lines = _refined(sampler, [line for line in _crossings(sampler, found) if len(line) > 2], FINEST * extent)
+    found = trace(sampler, 0.0, bounds=sampler.bounds)
+    lines = _refined(sampler, [line for line in found if len(line) > 2], FINEST * extent)
     middles = _over(sampler, *_segments_of(lines))[0]
     every = np.concatenate([np.empty((0, 2)), *lines, middles])
     _, gradient = sampler.value_and_gradient(every)
@@ -109,22 +109,6 @@ def _segments_of(lines: Sequence[Floats]) -> tuple[Floats, Floats]:
 def _parts(array: NDArray[Any], counts: Sequence[int]) -> list[NDArray[Any]]:
     """So many rows for each."""
     return np.split(array, np.cumsum(counts)[:-1]) if counts else []
-
-
-def _crossings(sampler: PlaneSampler, lines: Sequence[Floats]) -> list[Floats]:
-    """Where the boundary crosses the edges of the lattice that contours (n, 2) of indices cross.
-
-    Unlike Newton's steps this keeps the vertices in their order at corners too.
-    """
-    index = np.concatenate([np.empty((0, 2)), *lines])
-    low, high = np.floor(index), np.ceil(index)
-    below = sampler.inside(sampler.lattice.points(low))
-    for _ in range(HALVINGS):
-        half = (low + high) / 2
-        same = (sampler.inside(sampler.lattice.points(half)) == below)[:, None]
-        low, high = np.where(same, half, low), np.where(same, high, half)
-    points = _parts(sampler.lattice.points((low + high) / 2), [len(line) for line in lines])
-    return [line[np.append(True, (np.diff(line, axis=0) != 0).any(axis=1))] for line in points]
 
 
 def _refined(sampler: PlaneSampler, lines: Sequence[Floats], finest: float) -> list[Floats]:

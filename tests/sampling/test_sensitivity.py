@@ -162,3 +162,12 @@ def test_what_is_thinner_than_the_lattice_moves_too(thin):
     assert rsym.sensitivity(fin, "a").area_derivative == pytest.approx(truth, rel=1e-9)
     hole = rsym.disc(2) - rsym.disc(width, (0.5, 0.3), letters={a: 1})
     assert rsym.sensitivity(hole, "a").area_derivative == pytest.approx(-2 * math.pi / thin**2, rel=1e-9)
+
+
+def test_the_boundary_has_what_is_thinner_than_the_lattice():
+    finned = rsym.disc(1) | rsym.rectangle(0.003, 4)
+    found = boundary(finned, ((-3, 3),) * 2, 64)
+    assert found.points[:, 1].max() == pytest.approx(2, rel=1e-9)
+    holed = boundary(rsym.disc(2) - rsym.disc(0.001, (0.5, 0.3)), ((-3, 3),) * 2, 64)
+    assert len(holed.lines) == 2
+    assert holed.area() == pytest.approx(math.pi * (4 - 1e-6), rel=1e-7)
