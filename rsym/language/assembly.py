@@ -15,6 +15,7 @@ from rsym.language.model import ModelFile
 from rsym.language.pieces import Calls, shown_call
 from rsym.language.syntax import Assignment, Expression, Name, names_in
 from rsym.model.letters import Letter
+from rsym.model.named_parts import Inside
 from rsym.model.shape import Shape
 from rsym.model.symbols import real_symbol, symbols_of
 from rsym.model.wording import listing, proposal
@@ -117,7 +118,8 @@ def _parts(needed: list[Assignment], expression: sp.Expr, calls: Calls) -> tuple
     """The formulas whose text says what they are; where none has one, every formula by its name."""
     told = [assignment for assignment in needed if assignment.doc]
     named = [one for one in told or needed if one.doc or not one.inner]
-    return tuple((one.doc or one.name, part) for one in named for part in calls.kept(expression, one.name))
+    inside = Inside(expression)
+    return tuple((one.doc or one.name, part) for one in named for part in calls.kept(one.name, inside))
 
 
 def _given(model: ModelFile) -> dict[str, Built]:

@@ -22,6 +22,7 @@ from rsym.errors import RsymError
 from rsym.language.building import Built
 from rsym.language.functions import named_system
 from rsym.language.syntax import Call
+from rsym.model.equation import moved_part
 from rsym.model.letters import Letter
 from rsym.model.named_parts import Inside
 from rsym.model.nodes import RealNode
@@ -176,9 +177,7 @@ class Calls:
             raise node.place.refuse(
                 f"{node.function} makes a body, but the model is one of the plane", "coordinates", "coordinates x y z"
             )
-        if not isinstance(made, Shape):
-            return substitute(made, self._names(back=True))
-        return substitute(made.expression, self._names(back=True))
+        return substitute(made.expression if isinstance(made, Shape) else made, self._names(back=True))
 
     def name(self, name: str, formula: sp.Expr, is_title: bool) -> None:
         """Know a formula; one that a call has moved gets a new name by a title, as `Shape.named` gives it."""
@@ -186,9 +185,8 @@ class Calls:
         if is_title:
             self.moved[:] = [part for part in self.moved if part[1] != formula]
 
-    def kept(self, expression: sp.Expr, name: str) -> list[sp.Expr]:
-        """The formulas of a name in another one: moved along, and where they were if that is there too."""
-        inside = Inside(expression)
+    def kept(self, name: str, inside: Inside) -> list[sp.Expr]:
+        """The formulas of a name: moved along, and where they were if that is inside too."""
         return [
             formula
             for title, formula in (*self.named, *self.moved)
@@ -197,7 +195,7 @@ class Calls:
 
     def _renamed(self, parts: Iterable[tuple[str, sp.Expr]], back: bool = False) -> list[tuple[str, sp.Expr]]:
         names = self._names(back)
-        return [(name, substitute(part, names) if names else part) for name, part in parts]
+        return [(name, moved_part(part, names) if names else part) for name, part in parts]
 
     @property
     def _known(self) -> dict[str, Letter]:
@@ -226,7 +224,7 @@ class Calls:
         shared = {name: value for name, value in given.items() if piece.takes(name) and name not in named}
 
         values = bound.args[: piece.shapes]
-        every = self._renamed((*self.named, *self.moved))
+        every = self._renamed((*self.named, *self.moved)) if values else []
         inside = [tuple(part for part in every if part[1] in formulas) for formulas in map(Inside, values)]
 
         def made(dimension: int) -> Shape | sp.Expr:

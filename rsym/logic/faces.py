@@ -154,10 +154,10 @@ def faces_of(form: SignForm, shape: Shape) -> Faces:
     """The faces of the sign form of a shape, as it comes from its expression."""
     named = _Named.of(form, shape)
     found = _places(form, named)
-    lost = set(range(len(named.parts))) - {number for places in found.values() for place in places for number in place}
+    lost = set(range(len(named.parts))) - _placed(found)
     if lost:  # nothing in the formula has their gates any more; their leaves are theirs
         found = _places(form, named.by_leaves(lost))
-        named.tell_of_pieces(lost, {number for places in found.values() for place in places for number in place})
+        named.tell_of_pieces(lost, _placed(found))
     order = [(operand, parts) for operand in sorted(found, reverse=True) for parts in found[operand]]
     number = {key: k for k, key in enumerate(order)}
     above: defaultdict[int, list[int]] = defaultdict(list)
@@ -193,6 +193,11 @@ def _places(form: SignForm, named: _Named) -> _Found:
                     made += inner not in known
                     known.setdefault(inner, {})[operand, parts] = None
     return found
+
+
+def _placed(found: _Found) -> set[int]:
+    """The parts that are around some operand."""
+    return {number for places in found.values() for parts in places for number in parts}
 
 
 class _Part(NamedTuple):
@@ -242,15 +247,13 @@ class _Named:
 
     def tell_of_pieces(self, lost: Iterable[int], found: Collection[int]) -> None:
         """Warn of names that only some of their parts have, or a part on only some of its leaves."""
-        known = {self.parts[number].name for number in range(len(self.parts)) if number in found}
-        pieces = [
-            part.name
-            for number, part in ((number, self.parts[number]) for number in lost)
-            if part.name in known and (number not in found or not part.leaves <= {*self.keys})
-        ]
-        if pieces:
+        known, keys = {self.parts[number].name for number in found}, {*self.keys}
+        pieces = {
+            self.parts[number].name for number in lost if number not in found or not self.parts[number].leaves <= keys
+        }
+        if pieces & known:
             warn(
-                f"not all of {listing(dict.fromkeys(pieces))} can be told in the formula, where parts have become one "
+                f"not all of {listing(sorted(pieces & known))} can be told in the formula, where parts have become one "
                 "leaf: what is asked of that name is of the rest; remedy: name what comes out, with shape.named"
             )
 

@@ -127,10 +127,13 @@ def level_lines(
         values = np.where(inside.values() >= 0, values, np.nan)
     elif field == "value":
         warn_undefined(plane_section(shape, section)[0], sampler.bounds, letters)
-    found = tuple(trace(sampler, one, field, values=values, bounds=sampler.bounds) for one in wanted)
+    zero: LevelLines | None = None
     if 0 in wanted and field in {"normalised", *FORMS} and isinstance(shape, Shape):  # zero where omega is
         zero = replace(level_lines(shape, force=force, **options), field=field)
-        found = tuple(zero if one == 0 else lines for one, lines in zip(wanted, found, strict=True))
+    found = tuple(
+        zero if one == 0 and zero is not None else trace(sampler, one, field, values=values, bounds=sampler.bounds)
+        for one in wanted
+    )
     return found if asked is level else found[0]
 
 

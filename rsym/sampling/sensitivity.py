@@ -38,7 +38,6 @@ from rsym.reports.document import Document, Sentence
 from rsym.reports.numbers import number, short
 from rsym.reports.render import Report
 from rsym.sampling.boundaries import BEND, NODES, WEIGHTS
-from rsym.sampling.contours import cropped
 from rsym.sampling.leaf_fields import BY_LETTER, LeafFields
 from rsym.sampling.level_lines import level_lines
 from rsym.sampling.mesh import Mesh
@@ -118,13 +117,12 @@ class Sensitivity(Report):
 
     @cached_property
     def lines(self) -> tuple[Floats, ...]:
-        """The boundary in the plane as lines (k, 2), refined at bends and corners, the inside to their left.
+        """The boundary in the plane as lines (k, 2), the inside to their left.
 
         Raises RsymError for a shape in space.
         """
         self._require(2, "lines", "mesh")
-        found = level_lines(self.shape, resolution=self.resolution, bounds=self.bounds, letters=self.letters)
-        return tuple(self._turned(line) for line in cropped(found.lines, self.bounds)[0])
+        return tuple(level_lines(self.shape, resolution=self.resolution, bounds=self.bounds, letters=self.letters))
 
     @cached_property
     def values(self) -> Floats | tuple[Floats, ...]:
@@ -253,13 +251,6 @@ class Sensitivity(Report):
         form = shape_form(self.shape)
         outputs = {f"leaf {k}": derivative(form.builder, leaf, self.letter) for k, leaf in enumerate(form.leaves)}
         return compile_program(form.builder.program(outputs), tuple(outputs), self.shape)
-
-    def _turned(self, line: Floats) -> Floats:
-        """The line in the direction that has the inside to its left."""
-        middles, along = (line[1:] + line[:-1]) / 2, np.diff(line, axis=0)
-        _, inwards, _ = self._leaves.of_active(middles)
-        left = np.nansum(along[:, 0] * inwards[:, 1] - along[:, 1] * inwards[:, 0])
-        return line if left >= 0 else line[::-1]
 
     def _of_leaves(self, points: Floats, leaf: Ints, gradient: Floats) -> Floats:
         """The speed of a leaf at each point (n, 2), with its gradient (n, 2) there."""

@@ -342,3 +342,10 @@ def test_what_is_moved_gets_another_name_as_in_python():
     text = "a = rectangle(1, 1){0}\nb = translate(a, [3, 0]){1}\nomega = rfOR(a, b)"
     for titles in (("", ""), (' "a"', ' "b"')):
         assert rsym.measure(rsym.loads(text.format(*titles))).parts == {name: pytest.approx(4) for name in "ab"}
+
+
+def test_parts_move_in_other_coordinates_too():
+    text = 'coordinates u v\na = disc(1/7, [1/3, 0]) "a"\nb = disc(0.137, [2, 0]) "b"\n'
+    shape = rsym.loads(text + "omega = translate(scale(rfOR(a, b), 10), [1, 0])")
+    sizes = {"a": 20 * math.pi / 7, "b": 20 * math.pi * 0.137}
+    assert rsym.measure(shape).parts == {name: pytest.approx(size) for name, size in sizes.items()}
