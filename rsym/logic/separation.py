@@ -90,7 +90,7 @@ class _Multiples:
         for item, below in with_operands(root, self._operands, lambda item: item):
             part, made = item.expression, [done[one] for one in below]
             if not below:
-                done[item] = _multiple(part, self.at.get(part, item.times))
+                done[item] = multiple(part, self.at.get(part, item.times))
             elif isinstance(part, Fold):
                 done[item] = part.func(*part.parameters, *made)
             elif part.is_Mul:
@@ -122,8 +122,15 @@ class _Multiples:
         return known.setdefault(gate, 1 + len(known))
 
 
-def _multiple(leaf: sp.Expr, times: int) -> sp.Expr:
-    """Another formula of the zeros and signs of a leaf."""
+def multiple(leaf: sp.Expr, times: int) -> sp.Expr:
+    """Another formula of the zeros and signs of a leaf.
+
+    Examples
+    --------
+    >>> from rsym import x, y
+    >>> multiple(x + y, 1), multiple(x + y, 2) == (1 + LITTLE) * x + (1 + LITTLE) * y
+    (x + y, True)
+    """
     if times == 1:
         return leaf
     more = (times - 1) * LITTLE

@@ -10,6 +10,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
   SymPy, as its coefficients; `weak/`: forms of u and v, written as functions, as theirs
 - `pointwise`: formulas compiled, at points; `loops`: the curves of a boundary; `lifts`: functions with values there
 - `switches`: conditions that change on an edge; `even_switches`: by functions that grow evenly along it
+- `seams/`: a shape whose form is zero inside, where parts share an edge, written anew
 - `like_slopes`: leaves for weights; `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their
   answers
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its

@@ -20,7 +20,7 @@ from rsym.model.wording import listing, proposal
 Name: TypeAlias = str | EllipsisType  # of a part, ... for the rest
 
 
-def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, ...]:
+def resolved(shape: Shape, conditions: Any, apart: Collection[sp.Expr] = ()) -> tuple[BoundaryCondition | None, ...]:
     """The condition of each leaf of ``surface_form(shape)``, in its order; None where nothing is said.
 
     Parameters
@@ -31,6 +31,8 @@ def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, .
         Names of parts to conditions, a bare value being a Dirichlet condition; the key ``...`` is the rest. Where parts
         lie in one another that of the smallest named here holds. A leaf of no part is called as meshes call it, by its
         formula.
+    apart : formulas
+        Of leaves whose parts are told apart by their places.
 
     Raises
     ------
@@ -48,17 +50,19 @@ def resolved(shape: Shape, conditions: Any) -> tuple[BoundaryCondition | None, .
     require_shape(shape)
     given = given_by_name(shape, conditions)
     on_leaves = tuple(given.get(name) for name in assigned(shape, given))
-    _require_told_apart(shape, given)
+    _require_told_apart(shape, given, apart)
     return on_leaves
 
 
-def _require_told_apart(shape: Shape, given: Mapping[Name, BoundaryCondition]) -> None:
+def _require_told_apart(shape: Shape, given: Mapping[Name, BoundaryCondition], apart: Collection[sp.Expr]) -> None:
     """Refuse a condition on one of two parts of one formula, which are one leaf, where the other has another.
 
     A formula that stands in one place alone has two names of one thing.
     """
     names: dict[sp.Expr, str] = {}
     for name, expression in shape.parts:
+        if expression in apart:
+            continue
         other = names.setdefault(expression, name)
         differ = given.get(name, given.get(...)) != given.get(other, given.get(...))
         if differ and sum(expression in node.args for node in postorder(shape.expression)) > 1:

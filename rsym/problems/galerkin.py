@@ -249,7 +249,7 @@ class Discretisation:
             return {}
         for name in (name for own in equation.edges for name in own):
             if isinstance(name, str) and name != BOUNDARY:
-                on_part(problem, self.rule.boundary.leaves, name)
+                on_part(problem, self.rule.boundary, name)
         parts = shape_leaf_parts(problem.shape)
         terms = {leaf: equation.on_leaf(parts[origin]) for leaf, origin in enumerate(problem.origins)}
         return {leaf: one for leaf, one in terms.items() if one.form or one.load}

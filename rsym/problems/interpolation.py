@@ -10,7 +10,6 @@ import sympy as sp
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet
 from rsym.analysis.transfinite import OnPart, inverse_distances, joined_weights, taylor
 from rsym.errors import RsymError
-from rsym.logic.separation import separated
 from rsym.logic.weights import even
 from rsym.model.arguments import LetterMapping, whole
 from rsym.model.requirements import require_mapping, require_shape
@@ -19,6 +18,7 @@ from rsym.model.symbols import symbols_of
 from rsym.model.wording import proposal
 from rsym.problems.conditions import Name
 from rsym.problems.parts import formula, parts_of
+from rsym.problems.seams.seamless import seamless
 
 BLENDS = {"inverse": inverse_distances, "joined": joined_weights}
 MOST = 3  # the formula of omega normalised to order 3 is a thousand times as long as that of omega
@@ -99,7 +99,7 @@ def interpolate(
         raise RsymError(
             f"no weights {weights!r}", code="weights", remedy=proposal(weights, BLENDS, '"inverse" or "joined"')
         )
-    known, slopes = _formulas(separated(shape.replace(letters=shape.letters.merge(letters))), data, degree)
+    known, slopes = _formulas(seamless(shape.replace(letters=shape.letters.merge(letters)), False).shape, data, degree)
     if not slopes:
         raise RsymError("there are no data to interpolate", code="data", remedy='for example {"rim": 0, ...: x}')
     parts = parts_of(known, slopes)

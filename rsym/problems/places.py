@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,20 +13,17 @@ from numpy.typing import ArrayLike
 from rsym.arrays import Flags, Floats
 from rsym.backends.kernel import compile, real_arrays
 from rsym.errors import RsymError, warn
-from rsym.model.bounding import BoundingBox
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.problem import Problem, vanished
 from rsym.problems.splines.web import WebSplines
 from rsym.sampling.extent import extent
-from rsym.sampling.plane import SURROUNDINGS
 from rsym.sampling.rules.division import Grading
 from rsym.sampling.rules.gaps import Gap, thin_gap
 from rsym.sampling.rules.portions import CellGrid
 from rsym.sampling.rules.quadrature import Quadrature, prepared
 from rsym.sampling.rules.sides import closed_sides
-from rsym.sampling.windows import surrounded
 
 # Of the size of the shape: points of the boundary are known to rounding.
 ON_BOUNDARY = 1e-12
@@ -119,17 +115,6 @@ def _require_no_gap(gap: Gap | None, grid: CellGrid, cells: int) -> None:
         code="cells",
         remedy=f"ask for {enough} cells or more, or take the sides as shapes by themselves",
     )
-
-
-def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:
-    """The shape at other letters, within bounds about it there where it has any: those of before may cut it."""
-    changed = shape.with_letters(values)
-    if shape.box is None or changed.letters == shape.letters:
-        return changed
-    with suppress(RsymError):
-        box = surrounded(extent(changed), SURROUNDINGS)
-        return changed.replace(bounds=box) if changed.bounds else replace(changed, box=BoundingBox(box))
-    return changed
 
 
 def inside(shape: Shape, splines: WebSplines, points: Floats) -> Flags:

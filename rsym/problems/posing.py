@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from rsym.analysis.conditions import BoundaryCondition, Switched, UnknownLevel
+from rsym.analysis.conditions import BoundaryCondition, Switched, UnknownLevel, neumann
 from rsym.arrays import Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_names
@@ -17,10 +17,11 @@ from rsym.model.wording import listing
 from rsym.problems.conditions import assigned, resolved
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.loops import holes
-from rsym.problems.places import relettered
 from rsym.problems.pointwise import compiled
 from rsym.problems.problem import VALUED, Problem, with_corners
+from rsym.problems.seams.seamless import relettered
 from rsym.problems.switches import placed_conditions
+from rsym.program.lowering import lower
 
 # Places along an axis, in shares of the size of a shape.
 PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
@@ -28,7 +29,7 @@ PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
 
 def posed(problem: Problem) -> Problem:
     """The problem with the conditions of its leaves, of its shape's letters; without functions of corners."""
-    conditions = list(resolved(problem.shape, problem.named))
+    conditions = _with_divided(problem)
     on_axis = _on_axis(problem)
     names = assigned(problem.shape, problem.named) if on_axis else ()
     for leaf in on_axis:
@@ -57,6 +58,19 @@ def posed(problem: Problem) -> Problem:
     return replace(problem, conditions=every, levels=levels, flows=flows, corners=None, cuts=cuts)
 
 
+def _with_divided(problem: Problem) -> list[BoundaryCondition | None]:
+    """The conditions of leaves; on those that belong to two parts of which other things are said, those of both."""
+    divided = () if problem.seams is None else problem.seams.divided
+    conditions = list(resolved(problem.shape, problem.named, [one.leaf for one in divided]))
+    for one in divided:
+        leaf = problem.form.leaves.index(lower(problem.form.builder, one.leaf))
+        named = [next((name for name in names if name in problem.named), ...) for names in (one.inside, one.outside)]
+        inside, outside = (problem.named.get(name) for name in named)
+        both = Switched(one.where, inside or neumann(), outside or neumann())
+        conditions[leaf] = inside if inside == outside else both
+    return conditions
+
+
 def _flow(problem: Problem, conditions: Sequence[BoundaryCondition | None]) -> float:
     """What flows through the leaves of a hole; about an axis without 2 pi, as integrals are there."""
     flows = {one.flow for one in conditions if isinstance(one, UnknownLevel)}
@@ -71,7 +85,9 @@ def _flow(problem: Problem, conditions: Sequence[BoundaryCondition | None]) -> f
 
 def posed_again(problem: Problem, values: Mapping[Any, float]) -> Problem:
     """The same problem for other letters: which leaves make up holes is found again."""
-    other = posed(replace(problem, shape=relettered(problem.shape, values)))
+    seams = None if problem.seams is None else problem.seams.relettered(values)
+    shape = relettered(problem.shape, values) if seams is None else seams.shape
+    other = posed(replace(problem, shape=shape, seams=seams))
     return other if problem.corners is None else with_corners(other, problem.corners.degree)
 
 

@@ -36,12 +36,15 @@ from rsym.problems.lifts import lift_of, lift_on
 from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.parts import Parts, formula
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
+from rsym.problems.seams.seamless import Seamless
 from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.switches import EdgeCut, Switches, split_form
 from rsym.problems.systems.borders import Beside, BesideAt
 from rsym.problems.weak.weak_form import WeakForm, sized
 from rsym.program.lowering import lower
 from rsym.program.raising import raised
+from rsym.sampling.labels import Labeller
+from rsym.sampling.rules.quadrature import BoundaryQuadrature
 from rsym.sampling.windows import bounds_or_extent
 
 VALUE, FLUX = "value", "flux"
@@ -91,6 +94,7 @@ class Problem:
     corners : functions of corners; None if there are to be none.
     poisson : Poisson's ratio of a plate, where it matters.
     cuts : leaves on which conditions change; what holds outside stands after the conditions of all leaves.
+    seams : the shape as it was typed, and leaves that belong to two parts.
     """
 
     shape: Shape
@@ -103,6 +107,7 @@ class Problem:
     corners: CornerChoice | None = None
     poisson: float | None = None
     cuts: tuple[EdgeCut, ...] = ()
+    seams: Seamless | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again; functions that no pickle holds stay behind."""
@@ -364,12 +369,14 @@ def value_at(shape: Shape, value: Any, points: Floats) -> Floats:
     return found
 
 
-def on_part(problem: Problem, leaves: Any, part: str) -> Any:
-    """Which of the points with these leaves lie on a part."""
+def on_part(problem: Problem, boundary: BoundaryQuadrature, part: str) -> Any:
+    """Which of the points of a rule lie on a part."""
     every = shape_leaf_parts(problem.shape)
     names = [every[leaf] for leaf in problem.origins]
     require_part(part, names, "use one of these")
-    found = np.isin(leaves, [leaf for leaf, one in enumerate(names) if part in one])
+    found = np.isin(boundary.leaves, [leaf for leaf, one in enumerate(names) if part in one])
+    if problem.seams is not None and problem.seams.divided and found.any():
+        found[found] = Labeller(problem.seams.typed).nearest(boundary.points[found]).on(part)
     if not found.any():
         raise vanished(part)
     return found

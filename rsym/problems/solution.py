@@ -233,7 +233,7 @@ class Solution:
         boundary, problem = self.rule.boundary, self.problem
         on = np.ones(len(boundary.weights), np.bool_)
         if part is not None:
-            on = on_part(problem, boundary.leaves, part)
+            on = on_part(problem, boundary, part)
         points = np.ascontiguousarray(boundary.points[on])
         dimension = problem.dimension
         diffusion = problem.coefficients(points)[: dimension * dimension].reshape(dimension, dimension, -1)

@@ -8,11 +8,11 @@ from typing import Any
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Robin, Switched, UnknownLevel
 from rsym.analysis.structures import Conditioned, SolutionStructure, structure_of
 from rsym.errors import RsymError
-from rsym.logic.separation import separated
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, given_by_name
 from rsym.problems.parts import formula, parts_of
+from rsym.problems.seams.seamless import seamless
 
 
 def solution_structure(shape: Shape, conditions: Any, *, length: Any = None) -> SolutionStructure:
@@ -99,7 +99,7 @@ def solution_structure(shape: Shape, conditions: Any, *, length: Any = None) -> 
             expression, more = formula(getattr(condition, one.name), shape, f"the condition on {name!r}")
             values[one.name], letters = expression, letters.merge(more)
         given[name] = replace(condition, **values)
-    known = separated(shape.replace(letters=letters))
+    known = seamless(shape.replace(letters=letters), False).shape
     parts = parts_of(known, given)
     parts.require_all()
     parts.require_agreement(

@@ -12,7 +12,6 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.language.equations import UNKNOWN
-from rsym.logic.separation import separated
 from rsym.model.arguments import coordinate, whole
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
@@ -20,11 +19,12 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, with_letters_of
 from rsym.problems.equations import equation_of
 from rsym.problems.peaks import of_problem, unseen
-from rsym.problems.places import relettered, rule_for, rule_order
+from rsym.problems.places import rule_for, rule_order
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
+from rsym.problems.seams.seamless import Seamless, relettered, seamless
 from rsym.problems.solution import Solution, estimated, solved, solved_alone, with_rule
 from rsym.sampling.progress import Progress
 
@@ -175,11 +175,11 @@ def problem_of(
             code="unknown-letter",
             remedy="rename the letter",
         )
-    shape, named = lettered(with_letters_of(shape, conditions), letters)
+    seams, named = lettered(with_letters_of(shape, conditions), letters)
     found = equation_of(equation, shape.coordinates, named)
     turned = turned_about(shape, axis)
-    named_conditions = given_by_name(shape, conditions)
-    made = posed(Problem(shape, found, named_conditions, (), turned, poisson=checked_ratio(poisson)))
+    named_conditions = given_by_name(seams.shape, conditions)
+    made = posed(Problem(seams.shape, found, named_conditions, (), turned, poisson=checked_ratio(poisson), seams=seams))
     require_edges(made, single=single)
     return made
 
@@ -193,7 +193,9 @@ def turned_about(shape: Shape, axis: Any) -> int:
     return coordinate(axis, shape.coordinates, "the axis")
 
 
-def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, dict[str, Any]]:
+def lettered(
+    shape: Shape, letters: Mapping[Any, Any] | None, divisible: bool = True
+) -> tuple[Seamless, dict[str, Any]]:
     """The shape at values of its letters, with those of other names, and what names stand for that are no numbers."""
     named: dict[str, Any] = {}
     numbers: dict[str, Any] = {}
@@ -210,7 +212,7 @@ def lettered(shape: Shape, letters: Mapping[Any, Any] | None) -> tuple[Shape, di
     shape = shape.replace(letters={**{n: v for n, v in numbers.items() if n not in shape.letters}, **shape.letters})
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
-    return separated(shape), named
+    return seamless(shape, divisible), named
 
 
 def missed(solution: Solution) -> float:

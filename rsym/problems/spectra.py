@@ -219,7 +219,7 @@ def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
     boundary = discrete.rule.boundary
     total = 0
     for part, density in mass.items():
-        on = on_part(discrete.problem, boundary.leaves, part)
+        on = on_part(discrete.problem, boundary, part)
         where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
         value = density if callable(density) else sp.sympify(density, strict=True)
         values = value_at(shape, value, where.points)

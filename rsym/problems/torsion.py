@@ -17,9 +17,10 @@ from rsym.model.shape import Shape
 from rsym.problems.equations import equation_of
 from rsym.problems.extremes import Attained
 from rsym.problems.loops import BoundaryLoop, loops_of
-from rsym.problems.places import relettered, rule_for, rule_order
+from rsym.problems.places import rule_for, rule_order
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import Grade, last_degree, observed_order, refined
+from rsym.problems.seams.seamless import Seamless, relettered, seamless
 from rsym.problems.solution import Solution, solved
 from rsym.problems.solving import checked_degree
 from rsym.sampling.progress import Progress
@@ -95,7 +96,8 @@ class Torsion:
     def with_letters(self, values: Mapping[Any, float]) -> Torsion:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         report, problem = self.solution.report, self.solution.problem
-        other = _problem(relettered(problem.shape, values))
+        assert problem.seams is not None
+        other = _problem(problem.seams.relettered(values))
         other = other if problem.corners is None else with_corners(other, problem.corners.degree)
         return _torsion(other, report.cells, report.degree)
 
@@ -139,7 +141,7 @@ def torsion(
     checked_degree(degree)
     if shape.dimension != 2:
         raise RsymError("torsion is of a section in the plane", code="dimension", remedy="give a shape of x and y")
-    problem = _problem(shape if letters is None else relettered(shape, letters))
+    problem = _problem(seamless(shape if letters is None else relettered(shape, letters)))
     problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
     if cells is not None:
         return _torsion(problem, cells, degree)
@@ -153,8 +155,9 @@ def torsion(
     return replace(found, grades=grades)
 
 
-def _problem(shape: Shape) -> Problem:
+def _problem(seams: Seamless) -> Problem:
     """Prandtl's problem, a level for each hole."""
+    shape = seams.shape
     outer, inner = _loops(shape)
     if _shared(outer, inner):  # as cells of one height have the leaf of their lids in common
         shape = separated_gates(shape)
@@ -173,7 +176,7 @@ def _problem(shape: Shape) -> Problem:
         )
     equation = equation_of("-laplacian(u) = 2", shape.coordinates)
     # Holes are found again for other letters, names do not tell them.
-    made = Problem(shape, equation, {} if inner else {...: dirichlet(0)}, (), levels=tuple(inner))
+    made = Problem(shape, equation, {} if inner else {...: dirichlet(0)}, (), levels=tuple(inner), seams=seams)
     level = {leaf for one in inner for leaf in one}
     conditions = tuple(constant() if k in level else dirichlet(0) for k in range(len(made.form.leaves)))
     return replace(made, conditions=conditions)

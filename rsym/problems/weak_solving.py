@@ -81,7 +81,8 @@ def solve_form(
     (np.True_, np.True_)
     """
     require_shape(shape)
-    shape, named = lettered(with_letters_of(shape, conditions), letters)
+    seams, named = lettered(with_letters_of(shape, conditions), letters, divisible=False)
+    shape = seams.shape
     turned = turned_about(shape, axis)
     form = weak_form(shape, a, l, named, None if turned < 0 else turned)
     values = given_by_name(shape, {} if conditions is None else conditions)
@@ -96,6 +97,6 @@ def solve_form(
                 code="condition",
                 remedy='write it as a form on the part: a = {"inside": a, "rim": lambda u, v, w: c * u * v}',
             )
-    problem = posed(Problem(shape, form, values, (), turned))
+    problem = posed(Problem(shape, form, values, (), turned, seams=seams))
     require_edges(problem, single=False)
     return answered(problem, degree, cells, tolerance, corners, progress)

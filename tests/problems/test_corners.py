@@ -122,7 +122,7 @@ def test_the_report_tells_of_corners():
     cusp = rsym.solve(crescent, "-laplacian(u) = 1", 0, cells=16)
     assert (cusp.report.corners, cusp.report.left) == (0, 2)
     assert "2 corners without such functions" in str(cusp.report)
-    kinked = rsym.Shape(rsym.conjunction(1 - x**2 - y**2, y + sp.Rational(1, 2) + sp.Abs(x)), (x, y))
+    kinked = rsym.Shape(rsym.conjunction(1 - x**2 - y**2, y + sp.Rational(1, 2) + sp.sqrt(x**2 + x**4)), (x, y))
     found = rsym.solve(kinked, "-laplacian(u) = 1", 0, cells=16)
     assert (found.report.corners, found.report.left, len(found.report.refused)) == (2, 0, 1)
     assert "kink" in str(found.report)
@@ -130,14 +130,12 @@ def test_the_report_tells_of_corners():
     assert "6 corners of the shape" in str(rsym.solve(ell(), "-laplacian(u) = 1", 0, cells=8).report)
 
 
-def test_where_parts_run_along_each_other_other_corners_have_functions():
+def test_where_parts_run_along_each_other_corners_have_functions():
     """The sides x = 1 and y = 1 are those of both rectangles."""
     shape = rsym.rectangle(2, 2) - rsym.rectangle(1, 1).translate(sp.Rational(1, 2), sp.Rational(1, 2))
     (drum,) = rsym.modes(shape, 1, cells=16).modes
-    assert drum.report.corners == 1
-    assert len(drum.report.refused) == 1
-    assert "same piece of a line" in str(drum.report)
-    assert abs(drum.report.eigenvalue / L_DRUM - 1) < 5e-4
+    assert (drum.report.corners, drum.report.refused) == (1, ())
+    assert abs(drum.report.eigenvalue / L_DRUM - 1) < 5e-8
 
 
 def test_letters_compile_nothing_at_corners(monkeypatch):

@@ -24,6 +24,7 @@ from rsym.problems.left_behind import portable
 from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.pointwise import PointFormulas, compiled, first_place, with_derivatives
 from rsym.problems.problem import Problem, value_at
+from rsym.problems.seams.seamless import Seamless
 from rsym.program.differentiation import derivative
 
 STRESS, STRAIN = "stress", "strain"
@@ -35,6 +36,7 @@ class ElasticBody:
     """A shape with Young's modulus, Poisson's ratio, forces on a volume, and conditions by the names of parts.
 
     plane : "stress" for a thin plate, "strain" for a long body that cannot become longer.
+    seams : the shape as it was typed.
     """
 
     shape: Shape
@@ -43,6 +45,7 @@ class ElasticBody:
     poisson: Value
     loads: tuple[Value, ...]
     plane: str
+    seams: Seamless
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again; functions that no pickle holds stay behind."""

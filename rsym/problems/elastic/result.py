@@ -15,7 +15,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import STRAIN, ElasticBody
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
-from rsym.problems.places import MORE_POINTS, on_shape, relettered, rule_on
+from rsym.problems.places import MORE_POINTS, on_shape, rule_on
 from rsym.problems.solution import Solution, with_rule
 from rsym.problems.solution_report import SolutionReport, reported
 from rsym.problems.splines.web import WebSplines
@@ -181,7 +181,8 @@ class ElasticSolution:
 
     def with_letters(self, values: Mapping[Any, float]) -> ElasticSolution:
         """The same body for other letters, with the same cells and degree: new matrices, nothing compiled."""
-        body = replace(self.body, shape=relettered(self.shape, values))
+        seams = self.body.seams.relettered(values)
+        body = replace(self.body, shape=seams.shape, seams=seams)
         rule = rule_on(body.shape, body.named, self.report.cells, self.order)
         return in_equilibrium(body, rule, self.report.cells, self.report.degree)
 

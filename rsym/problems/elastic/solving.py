@@ -94,11 +94,11 @@ def elasticity(
             remedy="for steel, in N and mm, young=210e3, poisson=0.3",
         )
     checked_degree(degree)
-    shape, _ = lettered(shape, letters)
+    seams, _ = lettered(shape, letters, divisible=False)
+    shape = seams.shape
     material = condition_value(young, "Young's modulus"), condition_value(poisson, "Poisson's ratio")
-    body = ElasticBody(
-        shape, given_by_name(shape, conditions, as_support), *material, vector(loads, "a force on a volume"), plane
-    )
+    supports = given_by_name(shape, conditions, as_support)
+    body = ElasticBody(shape, supports, *material, vector(loads, "a force on a volume"), plane, seams)
     if cells is not None:
         whole(cells, "the cells", 1)
         return in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
