@@ -84,13 +84,9 @@ class SignAtoms:
     def shared(self) -> bool:
         """Whether an atom stands in two places, or a leaf has a power: else parts share no edge."""
         places = Counter(operand for gate in self.form.gates for operand in gate[1:])
-        every = [
-            atom
-            for number, leaf in enumerate(self.leaves)
-            for atom, _ in leaf.powers
-            for _ in range(places[number] or 1)
-        ]
-        return len({*every}) < len(every) or any(power > 1 for leaf in self.leaves for _, power in leaf.powers)
+        every = [atom for leaf in self.leaves for atom, _ in leaf.powers]
+        powers = [power for leaf in self.leaves for _, power in leaf.powers]
+        return len({*every}) < len(every) or max([*places.values(), *powers], default=1) > 1
 
     @property
     def size(self) -> float:
