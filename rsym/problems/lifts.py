@@ -10,6 +10,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import sympy as sp
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from rsym.analysis.conditions import BoundaryCondition, Clamped, Dirichlet, Supported, UnknownLevel
 from rsym.analysis.differential import derivative
@@ -23,6 +25,7 @@ from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
 from rsym.problems.conditions import Name
 from rsym.problems.interpolation import interpolate
+from rsym.problems.jumps import jumps_of, with_jumps
 from rsym.problems.parts import Parts, formula, parts_of
 from rsym.program.raising import raised
 
@@ -35,7 +38,7 @@ ENTIRE = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh)
 ANALYTIC = (sp.log, sp.tan, sp.tanh, sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh, sp.erf)
 
 
-def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Expr:
+def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping: bool = False) -> sp.Expr:
     """An expression that is u, and has the slopes of u, on the parts where these are given; 0 where they are 0.
 
     Of one value for all of these parts it is that; else, without slopes, `lift_on`. Where parts meet at an angle it is
@@ -70,41 +73,88 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition]) -> sp.Ex
             return value
     if any(len(given) > 1 for given in data.values()):
         return interpolate(shape, data).expression
-    return lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {})
+    return lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {}, jumping)
 
 
-def lift_on(parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[int, sp.Expr]) -> sp.Expr:
-    """An expression with values on parts: of those that meet `by_pairs`; the weights of some leaves have factors.
+def lift_on(
+    parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[int, sp.Expr], jumping: bool = False
+) -> sp.Expr:
+    """An expression with values on parts; the weights of some leaves have factors.
 
-    These are 0 in points at most. Powers of the weights themselves, which they stand for, have gradients beyond all
-    bounds where their parts meet others. If no parts meet it is the sum of u_i/w_i over that of 1/w_i.
+    Parts that meet are one cluster, with a function of its own (`_joined`); of several clusters it is the sum of
+    u_i/w_i over that of 1/w_i, w_i the normalised weight of a cluster: like the distance from it, so that u is nowhere
+    steeper than what lies between. The factors are 0 in points at most. Powers of the weights themselves, which they
+    stand for, have gradients beyond all bounds where their parts meet others. Only if `jumping` may values differ at
+    corners.
     """
     parts.require_all()
-    parts.require_agreement({name: value for name, value in values.items() if name in parts.leaves})
     own: dict[int, sp.Expr] = {leaf: values[name] for name, leaves in parts.leaves.items() for leaf in leaves}
+    if not own:
+        return sp.S.Zero
+    if jumping and (jumps := jumps_of(parts, own)):
+        function, left = with_jumps(parts, own, jumps)
+        if all(value == 0 for value in left.values()):
+            return function
+        single = replace(parts, leaves={f"leaf {leaf}": (leaf,) for leaf in left})
+        return function + lift_on(single, {f"leaf {leaf}": value for leaf, value in left.items()}, factors)
+    parts.require_agreement({name: value for name, value in values.items() if name in parts.leaves})
+    alike: dict[object, list[int]] = {}
+    for leaf, value in own.items():
+        alike.setdefault(value, []).append(leaf)
+    sides, parts = _sides(parts, own, list(alike.values()))
+    links = coo_matrix((len(sides),) * 2)
+    if len(sides) > 1:
+        met = [pair for pair in combinations(range(len(sides)), 2) if len(_meeting(parts, sides, pair))]
+        one, other = np.array(met, np.int64).reshape(-1, 2).T
+        links = coo_matrix((np.ones(len(met)), (one, other)), shape=links.shape)
+    count, cluster = connected_components(links, directed=False)
+    found = []
+    for number in range(count):
+        leaves = {leaf: own[leaf] for k in np.flatnonzero(cluster == number) for leaf in sides[k].leaves}
+        function = _joined(parts, leaves, factors) if len({*leaves.values()}) > 1 else next(iter(leaves.values()))
+        found.append((function, [*leaves]))
+    if count == 1:
+        return found[0][0]
+    weights = parts.weights(1, None)
+    pieces = []
+    for function, chosen in found:
+        more = dict.fromkeys(factors[leaf] for leaf in chosen if leaf in factors)
+        pieces.append(OnPart(function, sp.Mul(*more) * weights.of(chosen)))
+    return inverse_distances(pieces, 1)
+
+
+def _sides(parts: Parts, own: Mapping[int, sp.Expr], groups: Sequence[Sequence[int]]) -> tuple[list[_Side], Parts]:
+    """Groups of leaves with one value as parts: by the names that these have, where that is all of them."""
+    named = {tuple(leaves): name for name, leaves in parts.leaves.items()}
+    sides = [
+        _Side(named.get(tuple(leaves), f"side {k} of {leaves[0]}"), own[leaves[0]], tuple(leaves))
+        for k, leaves in enumerate(groups)
+    ]
+    if {side.name for side in sides} != {*parts.leaves}:  # where these meet is known
+        parts = replace(parts, leaves={side.name: side.leaves for side in sides})
+    return sides, parts
+
+
+def _meeting(parts: Parts, sides: Sequence[_Side], pair: tuple[int, int]) -> Floats:
+    """The points where two sides meet."""
+    return parts.meeting(sides[pair[0]].name, sides[pair[1]].name)[0]
+
+
+def _joined(parts: Parts, own: Mapping[int, sp.Expr], factors: Mapping[int, sp.Expr]) -> sp.Expr:
+    """A function with values on leaves that meet, `by_pairs` of those that do."""
     alike: dict[object, list[int]] = {}
     for leaf, value in own.items():
         alike.setdefault(leaf if len(own) <= MOST_SIDES else value, []).append(leaf)
-    named = {tuple(leaves): name for name, leaves in parts.leaves.items()}
-    sides = [
-        _Side(named.get(tuple(leaves), f"side {k}"), own[leaves[0]], tuple(leaves))
-        for k, leaves in enumerate(alike.values())
-    ]
-    if not sides:
-        return sp.S.Zero
-    if {side.name for side in sides} != {*parts.leaves}:  # where these meet is known
-        parts = replace(parts, leaves={side.name: side.leaves for side in sides})
+    sides, parts = _sides(parts, own, list(alike.values()))
     pieces = [OnPart(side.value, _weight(parts, side, factors)) for side in sides]
     made: list[tuple[tuple[int, ...], sp.Expr]] = []
     for one, other in combinations(range(len(sides)), 2):
-        points = parts.meeting(sides[one].name, sides[other].name)[0]
+        points = _meeting(parts, sides, (one, other))
         if len(points):
             both = sides[one], sides[other]
             switched = any(leaf in factors for side in both for leaf in side.leaves)
             corner = None if switched else _corner(parts, *both, points)
             made.append(((one, other), joined_values(pieces[one], pieces[other], parts.shape.coordinates, corner)))
-    if not made:
-        return inverse_distances(pieces, 1)
     alone = {*range(len(sides))} - {number for pair, _ in made for number in pair}
     return by_pairs(_of_usual_size(parts, pieces), [*made, *(((k,), pieces[k].function) for k in sorted(alone))])
 

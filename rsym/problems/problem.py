@@ -179,7 +179,7 @@ class Problem:
 
     def weight(self, order: int) -> PointFormulas:
         """The derivatives of the weight up to an order."""
-        return self._with_derivatives("weight", order, lambda: {"": self.weight_node})
+        return self.with_derivatives("weight", order, lambda: {"": self.weight_node})
 
     @cached_property
     def lift_expression(self) -> sp.Expr:
@@ -188,7 +188,16 @@ class Problem:
             return self._lift_on_leaves()
         names = assigned(self.shape, self.named)
         kept = {name for name, one in zip(names, self.conditions, strict=True) if one is not None}
-        return lift_of(self.shape, {name: one for name, one in self.named.items() if name in kept})
+        return lift_of(self.shape, {name: one for name, one in self.named.items() if name in kept}, self.alike)
+
+    @property
+    def alike(self) -> bool:
+        """Whether it is one of the plane and of the second order that diffuses alike in all directions."""
+        diffusion = self.equation.diffusion
+        alike = diffusion[0][0] == diffusion[-1][-1] and not any(
+            value for i, row in enumerate(diffusion) for j, value in enumerate(row) if i != j
+        )
+        return self.dimension == 2 and self.order == 1 and alike
 
     def _lift_on_leaves(self) -> sp.Expr:
         """That of values on leaves of the split form, where no name tells these apart."""
@@ -215,7 +224,7 @@ class Problem:
         """Its derivatives; None where it is 0."""
         if self.lift_expression == 0:
             return None
-        return self._with_derivatives("lift", order, lambda: {"": lower(self.form.builder, self.lift_expression)})
+        return self.with_derivatives("lift", order, lambda: {"": lower(self.form.builder, self.lift_expression)})
 
     @cached_property
     def extra_nodes(self) -> dict[str, int]:
@@ -264,16 +273,16 @@ class Problem:
 
     def _levels_at(self, points: Floats, order: int) -> Floats:
         """The derivatives (n, kinds, functions) of the functions e."""
-        values = self._with_derivatives("extra", order, lambda: self.extra_nodes)(points)
+        values = self.with_derivatives("extra", order, lambda: self.extra_nodes)(points)
         return np.ascontiguousarray(values.reshape(len(self.levels), -1, len(points)).transpose(2, 1, 0))
 
     def leaf_jets(self, points: Floats, order: int) -> Floats:
         """The derivatives (leaves, kinds, n) of all leaves of the form at points."""
         nodes = {f"leaf {number}": node for number, node in enumerate(self.form.leaves)}
-        found = self._with_derivatives("every leaf", order, lambda: nodes)(points)
+        found = self.with_derivatives("every leaf", order, lambda: nodes)(points)
         return found.reshape(len(nodes), -1, len(points))
 
-    def _with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
+    def with_derivatives(self, name: str, order: int, nodes: Callable[[], Mapping[str, int]]) -> PointFormulas:
         """What was compiled is kept."""
         if (name, order) not in self._made:
             self._made[name, order] = at_letters(self.shape, self._lowered.kernel(self.shape, nodes, order))
@@ -297,11 +306,7 @@ class Problem:
 
 def with_corners(problem: Problem, degree: int) -> Problem:
     """The same problem with functions for the corners of its shape, for splines of a degree; without where none are."""
-    diffusion = problem.equation.diffusion
-    alike = diffusion[0][0] == diffusion[-1][-1] and not any(
-        value for i, row in enumerate(diffusion) for j, value in enumerate(row) if i != j
-    )
-    if problem.dimension != 2 or problem.order != 1 or not alike or len(problem.split.leaves) < 2:
+    if not problem.alike or len(problem.split.leaves) < 2:
         return problem
     place = list(problem.equation.expressions).index("f")
 

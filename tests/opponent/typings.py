@@ -1,8 +1,8 @@
 """One body typed in two ways has one answer: `python tests/opponent/hunt.py typings`.
 
-Bodies are cut by lines and circles and put together again, of pieces that are flush or overlap by little; they are typed
-in other R-systems, with leaves times a number, lines doubled, kinks inside, turned, moved and scaled. The least
-eigenvalue, the integral of Poisson's equation and the area have to be those of the body as it was.
+Bodies are cut by lines and circles and put together again, of pieces that are flush or overlap by little; they are
+typed in other R-systems, with powers of leaves, lines doubled, turned, moved and scaled. The least eigenvalue and the
+integral of Poisson's equation have to be those of the body as it was.
 """
 
 import warnings

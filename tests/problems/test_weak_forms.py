@@ -275,7 +275,7 @@ def test_without_cells_the_tolerance_is_met_and_a_formula_is_there():
     other = rsym.solve(RIM, "-laplacian(u) = exp(x)", y, tolerance=1e-6)
     assert same(found, other)
     assert found.formula(5) == other.formula(5)
-    assert found.flux("rim") == other.flux("rim")
+    assert found.flux("rim") == pytest.approx(other.flux("rim"), rel=1e-5)  # by the gradient, by Green's formula
 
 
 def test_the_sign_of_a_form_is_that_of_its_values():

@@ -25,6 +25,7 @@ from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.pointwise import PointFormulas, compiled, first_place, with_derivatives
 from rsym.problems.problem import Problem, value_at
 from rsym.problems.seams.seamless import Seamless
+from rsym.problems.shares import jumps_in
 from rsym.program.differentiation import derivative
 
 STRESS, STRAIN = "stress", "strain"
@@ -127,6 +128,15 @@ class ElasticBody:
             kept = {leaf for leaves in held.values() for leaf in leaves}
             on_leaves = [given[name] if leaf in kept else None for leaf, name in enumerate(self.names)]
             found.append(Problem(self.shape, equation, given, tuple(on_leaves)))
+            for jump in jumps_in(found[-1]):
+                place, values = (
+                    ", ".join(f"{value:.6g}" for value in some) for some in (jump.corner.point, jump.values)
+                )
+                raise RsymError(
+                    f"displacements along {self.shape.coordinates[axis]} jump at ({place}): {values}",
+                    code="contradiction",
+                    remedy="give displacements that agree where parts meet",
+                )
         return tuple(found)
 
     def _require_whole(self, name: Name, leaves: tuple[int, ...], axis: int) -> None:
