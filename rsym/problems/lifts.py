@@ -23,6 +23,7 @@ from rsym.logic.weights import MOST_FACTORS, weight
 from rsym.model.nodes import RealNode
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
+from rsym.problems.boundary_data import kept_to_boundary
 from rsym.problems.conditions import Name
 from rsym.problems.interpolation import interpolate
 from rsym.problems.jumps import jumps_of, with_jumps
@@ -65,6 +66,9 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping:
             data[name] = (sp.S.Zero,)
         elif isinstance(condition, Dirichlet | Clamped | Supported):
             data[name] = tuple(_expression(shape, value, name) for value in condition.values)
+    if all(len(given) == 1 for given in data.values()):
+        kept = kept_to_boundary(shape, {name: given[0] for name, given in data.items()})
+        data = {name: (value,) for name, value in kept.items()}
     values = {given[0] for given in data.values()}
     if len(values) < 2:
         value = values.pop() if values else sp.S.Zero
