@@ -101,4 +101,5 @@ def _rough(shape: Shape, value: sp.Expr, places: Floats, on: Floats, size: float
             third = np.maximum(third, np.abs(kernel(*places.T)["hessian"]).max(axis=(1, 2)))
     if not np.isfinite(most):
         return np.zeros(len(places), np.bool_)
-    return ~(third * size**3 <= max(ROUGH * most * size**3, LEAST * usual))
+    rough: Flags = ~(third * size**3 <= max(ROUGH * most * size**3, LEAST * usual))
+    return rough

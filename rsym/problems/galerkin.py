@@ -40,6 +40,7 @@ from rsym.problems.systems.forms import (
 )
 from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
+from rsym.sampling.rules.sides import pieces_of
 
 BENDING = "d"  # the coefficient of a bilaplacian
 
@@ -279,20 +280,33 @@ class Discretisation:
         return found
 
     def require_level(self) -> None:
-        """Refuse a problem whose solutions differ by constants, whatever makes its coefficients 0."""
-        problem = self.problem
-        valued = np.isin(self.rule.boundary.leaves, problem.leaves(Dirichlet, Clamped, Supported))
-        fixed = valued.any() or any(part.holds_level for part in self.edge_parts)
-        if problem.equation.order != 2 or fixed:
+        """Refuse a problem whose solutions differ by constants, on all of the shape or on a piece of it."""
+        problem, rule = self.problem, self.rule
+        if problem.equation.order != 2:
+            return
+        boundary = rule.boundary
+        valued = np.isin(boundary.leaves, problem.leaves(Dirichlet, Clamped, Supported))
+        held = [boundary.cells[valued], *(part.where.cells for part in self.edge_parts if part.holds_level)]
+        piece = pieces_of(rule)
+        free = np.setdiff1d(piece[rule.touched], piece[np.concatenate(held)])
+        if not len(free):
             return
         every = problem.equation.expressions
-        held = {name: every[name] for (_, trial), name in problem.equation.places.items() if trial == 0}
-        if any(value.is_number and value != 0 for value in held.values()):
+        held_by = {name: every[name] for (_, trial), name in problem.equation.places.items() if trial == 0}
+        if any(value.is_number and value != 0 for value in held_by.values()):
             return
-        values = self.coefficients(self.rule.points) if any(value != 0 for value in held.values()) else {}
-        if not any(values[name].any() for name in held if name in values):
+        values = self.coefficients(rule.points) if any(value != 0 for value in held_by.values()) else {}
+        for name in held_by:
+            if name in values:
+                some = np.broadcast_to(values[name] != 0, len(rule.points))
+                free = np.setdiff1d(free, piece[rule.cells[some]])
+        if len(free):
+            several = len(np.unique(piece[rule.touched])) > 1
+            where = first_place(rule.points, piece[rule.cells] == free[0])
             raise RsymError(
-                "nothing fixes the level of the solution: with it every u + constant is one",
+                f"nothing fixes the level of the solution on the piece of the shape about {where}"
+                if several
+                else "nothing fixes the level of the solution: with it every u + constant is one",
                 code="singular",
                 remedy="give a value on some part, rsym.robin on one, or a term c*u in the equation",
             )

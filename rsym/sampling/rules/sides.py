@@ -6,6 +6,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.sampling.rules.gaps import leaf_roots, signs
@@ -44,6 +46,36 @@ def closed_sides(functions: Any, rule: Quadrature) -> Ints:
             pairs = pairs[~met(functions, *_lines(rule, pairs[:, 1], axis))]
         found.append(pairs[~_seen_from(functions, rule, pairs, axis)] if len(pairs) else pairs)
     return np.concatenate(found)
+
+
+def pieces_of(rule: Quadrature) -> Ints:
+    """For each cell the number of the piece of the shape that it has, -1 of none: cells next to each other have one.
+
+    What sides tell apart has to be known (`closed_sides`); pieces that meet in a cell are one.
+
+    Examples
+    --------
+    >>> import rsym
+    >>> discs = rsym.quadrature(rsym.disc(1) | rsym.disc(1, (3, 0)), cells=20)
+    >>> sorted(set(pieces_of(discs).tolist()))
+    [-1, 0, 1]
+    """
+    counts, total = rule.grid.counts, int(np.prod(rule.grid.counts))
+    touched = np.zeros(total, np.bool_)
+    touched[rule.touched] = True
+    pairs = []
+    for axis, count in enumerate(counts):
+        index = np.indices(counts).reshape(len(counts), -1)
+        first = np.flatnonzero(index[axis] < count - 1)
+        second = first + int(np.prod(counts[axis + 1 :]))
+        asked = touched[first] & touched[second]
+        pairs.append(first[asked] * total + second[asked])
+    joined = np.setdiff1d(np.concatenate(pairs), rule.closed[:, 0] * total + rule.closed[:, 1])
+    links = coo_matrix((np.ones(len(joined)), np.divmod(joined, total)), shape=(total, total))
+    _, found = connected_components(links, directed=False)
+    pieces = np.full(total, -1, np.int64)
+    _, pieces[touched] = np.unique(found[touched], return_inverse=True)
+    return pieces
 
 
 def _lines(rule: Quadrature, cells: Ints, axis: int) -> tuple[Floats, Floats]:
