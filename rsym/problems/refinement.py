@@ -18,6 +18,7 @@ FIRST_CELLS = 8
 STEPS = 6
 HIGHEST_DEGREE = 6
 MORE = 2  # degrees
+FEWER = 0.75  # of the cells, for what is compared with
 # Twice the cells make four or eight times the unknowns: more than so many are not begun.
 MOST_UNKNOWNS = {2: 60_000, 3: 20_000}
 # Functions at corners make a grid of so many unknowns take half a minute, four times that of the one before: it is
@@ -44,6 +45,24 @@ class Grade(NamedTuple):
     degree: int
     unknowns: int
     estimate: float
+
+
+def on_fewer(attempt: Callable[[int], T], cells: int) -> T:
+    """What is found on three quarters of some cells, to compare with; on all of them where so few resolve no gap.
+
+    On the same cells two degrees have errors in common.
+
+    Examples
+    --------
+    >>> on_fewer(lambda cells: cells, 16)
+    12
+    """
+    try:
+        return attempt(max(1, round(FEWER * cells)))
+    except RsymError as error:
+        if error.code != "cells":
+            raise
+        return attempt(cells)
 
 
 def observed_order(grades: Sequence[Grade]) -> float | None:

@@ -23,7 +23,7 @@ from rsym.problems.peaks import unseen, varies
 from rsym.problems.places import MORE_POINTS, rule_for
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
-from rsym.problems.refinement import TOLERANCE, Grade, last_degree, observed_order, refined
+from rsym.problems.refinement import TOLERANCE, Grade, last_degree, observed_order, on_fewer, refined
 from rsym.problems.solution import Solution, with_rule
 from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, missed, problem_of
@@ -108,7 +108,8 @@ def modes(
     Parameters
     ----------
     shape, degree, cells, tolerance, letters, axis, poisson, corners, progress
-        As in `solve`; the estimate is the largest change of an eigenvalue from one degree less, as a share of it.
+        As in `solve`; the estimate is the largest change of an eigenvalue from one degree less on
+        three quarters of the cells, as a share of it.
     count : int
         How many.
     conditions : mapping or one condition, optional
@@ -147,7 +148,8 @@ def modes(
         return _spectrum(problem, cells, degree, count, mass)
 
     def attempt(cells: int, degree: int) -> tuple[Spectrum, int, float]:
-        made, lower = (_spectrum(problem, cells, p, count, mass) for p in (degree, degree - 1))
+        made = _spectrum(problem, cells, degree, count, mass)
+        lower = on_fewer(lambda fewer: _spectrum(problem, fewer, degree - 1, count, mass), cells)
         scale = np.maximum(np.abs(made.values), np.abs(made.values).max() * 1e-3)
         error = float(np.max(np.abs(made.values - lower.values) / scale))
         return made, made.modes[0].report.unknowns, error if error > wanted else max(error, _missed(made))
