@@ -41,7 +41,7 @@ from rsym.sampling.stills import line_picture
 
 AT_ONCE = 1 << 18  # points
 SKETCHED, SKETCH = 6, 72  # level lines in a notebook, on a lattice of so many cells
-SURE = 0.05  # an estimated error, where errors are amplified: of an answer with a larger one next to nothing is known
+SURE = 0.05  # an estimated error: of an answer with a larger one next to nothing is known
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -296,19 +296,20 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
     return solution
 
 
-def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int) -> Solution:
-    """The solution on a rule, no other being asked for; with an estimate of its error where errors are amplified."""
-    made = solved(problem, rule, cells, degree)
+def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int, estimate: bool = False) -> Solution:
+    """The solution on a rule, no other being asked for; where errors are amplified with an estimate in any case."""
+    functions = beside_at(problem, rule.points) if estimate else None
+    made = solved(problem, rule, cells, degree, functions)
     report = made.report
-    if not report.amplified:
+    if not (report.amplified or estimate):
         return made
-    estimate = max(estimated(made), report.unsure)
-    if not estimate <= SURE:
+    error = max(estimated(made, functions), report.unsure)
+    if not error <= SURE:
         warn(
-            f"the error, an estimate, is about {short(estimate)} of the largest value{report.nearness}; give "
+            f"the error, an estimate, is about {short(error)} of the largest value{report.nearness}; give "
             "tolerance=, more cells or a higher degree"
         )
-    return with_rule(replace(made, report=replace(report, estimate=estimate)), rule)
+    return with_rule(replace(made, report=replace(report, estimate=error)), rule)
 
 
 def estimated(solution: Solution, functions: BesideAt | None = None) -> float:

@@ -100,7 +100,7 @@ class SolutionReport(Report):
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
         told += self._of_corners()
         if self.estimate is None:
-            error = "No estimate of the error was asked for: cells were given."
+            error = "No estimate of the error was asked for."
         else:
             error = (
                 f"The error, an estimate, is about {short(self.estimate)} of the largest value, "

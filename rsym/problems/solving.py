@@ -41,6 +41,7 @@ def solve(
     axis: Any = None,
     poisson: float | None = None,
     corners: bool = True,
+    estimate: bool = True,
     progress: Progress | None = None,
 ) -> Solution:
     """The solution of a linear elliptic equation on a shape.
@@ -76,6 +77,8 @@ def solve(
     corners : bool
         Whether functions of their own are added at corners of a shape in the plane where solutions are singular; an
         equation that diffuses differently in different directions has none.
+    estimate : bool
+        Whether, of a number of cells too, the error is estimated; without, half of the time is saved.
     progress : callable, optional
         ``progress(done, total)``; an answer of False cancels.
 
@@ -93,9 +96,10 @@ def solve(
     Warns
     -----
     RsymWarning
-        Where the tolerance is not reached; where a shape touches itself, or conditions change at places near to each
-        other, and cells do not resolve it; where a problem is so near to one without a single answer, as
-        ``-laplacian(u) - c*u = f`` for c near an eigenvalue, that next to nothing of the answer is sure.
+        Where the tolerance is not reached, or the error on given cells is about 5 % or more; where a shape touches
+        itself, or conditions change at places near to each other, and cells do not resolve it; where a problem is so
+        near to one without a single answer, as ``-laplacian(u) - c*u = f`` for c near an eigenvalue, that next to
+        nothing of the answer is sure.
 
     Examples
     --------
@@ -106,7 +110,7 @@ def solve(
     np.True_
     """
     problem = problem_of(shape, equation, conditions, letters=letters, axis=axis, poisson=poisson)
-    return answered(problem, degree, cells, tolerance, corners, progress)
+    return answered(problem, degree, cells, tolerance, corners, progress, estimate)
 
 
 def answered(
@@ -116,6 +120,7 @@ def answered(
     tolerance: float | None,
     corners: bool,
     progress: Progress | None,
+    estimate: bool = True,
 ) -> Solution:
     """The solution of a problem on a grid, or refined until its estimate of the error is small enough."""
     checked_degree(degree)
@@ -125,7 +130,7 @@ def answered(
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         if problem.cuts:
             problem.switches.warn_if_near(rule.grid.size, cells)
-        return solved_alone(problem, rule, cells, degree)
+        return solved_alone(problem, rule, cells, degree, estimate)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))

@@ -31,13 +31,14 @@ def solve_form(
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
     corners: bool = True,
+    estimate: bool = True,
     progress: Progress | None = None,
 ) -> Solution:
     """The u, with given values on parts of the boundary, for which a(u, v) = l(v) for all v that are 0 there.
 
     Parameters
     ----------
-    shape, degree, cells, tolerance, axis, corners, progress
+    shape, degree, cells, tolerance, axis, corners, estimate, progress
         As in `solve`; integrals about an axis have the radius in them already.
     a, l : functions, or mappings of places to functions
         ``a(u, v, w)`` and ``l(v, w)`` are what is integrated, as users of scikit-fem write it; its decorators and
@@ -99,4 +100,4 @@ def solve_form(
             )
     problem = posed(Problem(shape, form, values, (), turned, seams=seams))
     require_edges(problem, single=False)
-    return answered(problem, degree, cells, tolerance, corners, progress)
+    return answered(problem, degree, cells, tolerance, corners, progress, estimate)

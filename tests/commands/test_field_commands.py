@@ -63,7 +63,9 @@ def test_a_problem_on_the_line(ring, tmp_path, capsys):
     assert told(out, "maximum") == pytest.approx(math.log(2), rel=1e-3)
     assert told(out, "minimum") == 0
     assert told(out, "integral") == pytest.approx(math.pi * (0.375 - math.log(2) / 4), rel=1e-3)
-    assert re.match(r"No estimate of the error was asked for: cells were given\. \d+ unknowns", out)
+    assert re.match(
+        r"The error, an estimate, is about \S+ of the largest value, in the root of the mean square\. \d+ u", out
+    )
 
 
 def test_the_file_states_it_and_letters_change_it(stated, capsys):

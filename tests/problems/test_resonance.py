@@ -98,4 +98,5 @@ def test_waves_on_small_cells_are_no_singular_system():
 
 def test_what_is_positive_or_has_a_maximum_principle_is_not_asked():
     for equation in ("-laplacian(u) + y**2*u = 1", "-laplacian(u) + 50*diff(u, x) = 1"):
-        assert rsym.solve(DISC, equation, {...: rsym.robin(1 + x**2)}, cells=6).report.amplification is None
+        found = rsym.solve(DISC, equation, {...: rsym.robin(1 + x**2)}, cells=6, estimate=False)
+        assert found.report.amplification is None
