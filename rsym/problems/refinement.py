@@ -47,8 +47,8 @@ class Grade(NamedTuple):
     estimate: float
 
 
-def on_fewer(attempt: Callable[[int], T], cells: int) -> T:
-    """What is found on three quarters of some cells, to compare with; on all of them where so few resolve no gap.
+def on_fewer(attempt: Callable[[int], T], cells: int, share: float = FEWER) -> T:
+    """What is found on a share of some cells, to compare with; on all of them where so few resolve no gap.
 
     On the same cells two degrees have errors in common.
 
@@ -58,7 +58,7 @@ def on_fewer(attempt: Callable[[int], T], cells: int) -> T:
     12
     """
     try:
-        return attempt(max(1, round(FEWER * cells)))
+        return attempt(max(1, round(share * cells)))
     except RsymError as error:
         if error.code != "cells":
             raise

@@ -50,6 +50,7 @@ class SolutionReport(Report):
     stopped: bool = False
     amplification: float | None = None
     rounding: float = 0.0
+    stress: float | None = None
 
     @property
     def observed_order(self) -> float | None:
@@ -99,6 +100,11 @@ class SolutionReport(Report):
         if self.unresolved:
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
         told += self._of_corners()
+        if self.stress is not None:
+            told.insert(
+                0,
+                f"Stresses are known to about {short(self.stress)} of the largest, an estimate, where they are worst.",
+            )
         if self.estimate is None:
             error = "No estimate of the error was asked for."
         else:
@@ -125,6 +131,7 @@ class SolutionReport(Report):
                 "rounding": self.rounding,
                 "order observed": self.observed_order,
                 "estimate": self.estimate,
+                "stress": self.stress,
                 "corners": self.corners,
                 "corners left": self.left + len(self.refused),
             },

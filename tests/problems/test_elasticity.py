@@ -244,3 +244,48 @@ def test_what_has_no_answer_is_refused(conditions, more, code, words):
     with pytest.raises(rsym.RsymError, match=words) as raised:
         rsym.elasticity(RING & LEFT & BELOW, conditions, **{**MATERIAL, **more}, cells=8)
     assert raised.value.code == code
+
+
+def pulled_plate(side=10):
+    """A quarter of a plate with a round hole of radius 1, pulled along x."""
+
+    def plane(formula):
+        return rsym.Shape(formula, (x, y))
+
+    plate = plane(x).named("left") & plane(y).named("below") & plane(side - x).named("pulled") & plane(side - y)
+    given = {"left": rsym.roller(), "below": rsym.roller(), "pulled": rsym.traction((1, 0))}
+    return plate - rsym.disc(1).named("hole"), given
+
+
+def test_stresses_are_known_to_what_is_said_of_them():
+    shape, given = pulled_plate()
+    coarse = rsym.elasticity(shape, given, young=1, poisson=0.3, tolerance=1e-3)
+    assert coarse.report.estimate < 1e-3 < coarse.report.stress  # of displacements, of stresses
+    assert abs(coarse.stress(0, 1).xx / 3.08604 - 1) < 3 * coarse.report.stress
+    assert "Stresses are known to about" in str(coarse.report)
+    fine = rsym.elasticity(shape, given, young=1, poisson=0.3, tolerance=1e-3, goal="stress")
+    assert fine.report.stress <= 1e-3
+    assert abs(fine.stress(0, 1).xx / 3.08604 - 1) < 1e-3
+    with pytest.raises(rsym.RsymError, match="goal is"):
+        rsym.elasticity(shape, given, young=1, poisson=0.3, goal="energy")
+
+
+@pytest.mark.parametrize("inner", [sp.Rational(1, 2), sp.Rational(1, 4)])
+def test_stresses_of_a_pressed_ring_are_within_their_estimate(inner):
+    ring = rsym.disc(1).named("rim") - rsym.disc(inner).named("bore")
+    a = float(inner)
+    for cells in (12, 20):
+        held = rsym.elasticity(
+            ring, {"bore": rsym.pressure(1), "rim": 0}, young=1, poisson=0.3, cells=cells, estimate=True
+        )
+        b = 1 / (1 / 0.7 + 1 / (1.3 * a**2))  # u = b*(1/r - r)
+        hoop = -b / 0.7 + b / (1.3 * a**2)
+        assert abs(held.stress(0, a).xx - hoop) < 3 * held.report.stress * abs(held.stress(0, a).yy)
+
+
+def test_corners_that_point_inwards_are_told():
+    pair = rsym.disc(1).named("a") | rsym.disc(1, (1.5, 0)).named("b")
+    with pytest.warns(rsym.RsymWarning, match="the error of displacements"):
+        found = rsym.elasticity(pair, {"a": rsym.fixed()}, young=1, poisson=0.3, loads=(0, -1), cells=16)
+    assert found.report.left == 2
+    assert "2 corners without such functions" in str(found.report)
