@@ -15,7 +15,7 @@ import numpy as np
 import sympy as sp
 from scipy import sparse
 
-from rsym.analysis.conditions import Clamped, Dirichlet, Robin, Supported
+from rsym.analysis.conditions import Robin
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError
 from rsym.logic.leaf_names import shape_leaf_parts
@@ -40,7 +40,6 @@ from rsym.problems.systems.forms import (
 )
 from rsym.problems.weak.weak_form import BOUNDARY, NORMALS, FormTerms, GivenValues, WeakForm, form_name, load_name
 from rsym.sampling.rules.quadrature import Quadrature
-from rsym.sampling.rules.sides import pieces_of
 
 BENDING = "d"  # the coefficient of a bilaplacian
 
@@ -278,38 +277,6 @@ class Discretisation:
             )
         found: Floats = problem.coefficients(points)[0]
         return found
-
-    def require_level(self) -> None:
-        """Refuse a problem whose solutions differ by constants, on all of the shape or on a piece of it."""
-        problem, rule = self.problem, self.rule
-        if problem.equation.order != 2:
-            return
-        boundary = rule.boundary
-        valued = np.isin(boundary.leaves, problem.leaves(Dirichlet, Clamped, Supported))
-        held = [boundary.cells[valued], *(part.where.cells for part in self.edge_parts if part.holds_level)]
-        piece = pieces_of(rule)
-        free = np.setdiff1d(piece[rule.touched], piece[np.concatenate(held)])
-        if not len(free):
-            return
-        every = problem.equation.expressions
-        held_by = {name: every[name] for (_, trial), name in problem.equation.places.items() if trial == 0}
-        if any(value.is_number and value != 0 for value in held_by.values()):
-            return
-        values = self.coefficients(rule.points) if any(value != 0 for value in held_by.values()) else {}
-        for name in held_by:
-            if name in values:
-                some = np.broadcast_to(values[name] != 0, len(rule.points))
-                free = np.setdiff1d(free, piece[rule.cells[some]])
-        if len(free):
-            several = len(np.unique(piece[rule.touched])) > 1
-            where = first_place(rule.points, piece[rule.cells] == free[0])
-            raise RsymError(
-                f"nothing fixes the level of the solution on the piece of the shape about {where}"
-                if several
-                else "nothing fixes the level of the solution: with it every u + constant is one",
-                code="singular",
-                remedy="give a value on some part, rsym.robin on one, or a term c*u in the equation",
-            )
 
     # -- the system ------------------------------------------------------------------------------------------------
 

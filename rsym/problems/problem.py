@@ -95,6 +95,7 @@ class Problem:
     poisson : Poisson's ratio of a plate, where it matters.
     cuts : leaves on which conditions change; what holds outside stands after the conditions of all leaves.
     seams : the shape as it was typed, and leaves that belong to two parts.
+    mean : of the solution, where nothing else fixes its level.
     """
 
     shape: Shape
@@ -108,6 +109,7 @@ class Problem:
     poisson: float | None = None
     cuts: tuple[EdgeCut, ...] = ()
     seams: Seamless | None = None
+    mean: float | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again; functions that no pickle holds stay behind."""

@@ -19,9 +19,12 @@ from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.combinations import add_beside, weighted
+from rsym.problems.ellipticity import require_elliptic
+from rsym.problems.equations import EllipticEquation
 from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
 from rsym.problems.galerkin import Discretisation
+from rsym.problems.levels import require_level, solved_with_mean
 from rsym.problems.limits import with_limits
 from rsym.problems.peaks import is_kinked
 from rsym.problems.places import inside, on_shape, rule_for
@@ -319,18 +322,17 @@ def estimated(solution: Solution, functions: BesideAt | None = None) -> float:
     """How far one degree less is away, in the root of the mean square, as a share of the largest value.
 
     Where errors are amplified also how far fewer cells are away, with a rule of their own: beside corners without
-    functions degrees differ by less than they are wrong. So where coefficients or data have kinks or jump, of which the
-    rule and the splines know nothing. Where the equation has no solution of less, one degree more.
+    functions degrees differ by less than they are wrong; so where coefficients or data have kinks, of which the rule
+    and the splines know nothing. Where the equation has no solution of less, one degree more.
     """
     rule, degree = solution.rule, solution.report.degree
     degree += -1 if degree > solution.problem.order else 1
     other = solved(solution.problem, rule, solution.report.cells, degree, functions, measured=False)
     values, *apart = (one.jets(rule.points, 0, functions)[0] for one in (solution, other))
     means = [values - one for one in apart]
-    kinked = is_kinked(solution.problem)
-    if solution.report.amplified or kinked:
-        times = SLOWLY if kinked else 1.0
-        means += [times * (values - one.jets(rule.points, 0)[0]) for one in _with_fewer_cells(solution)]
+    if (kinked := is_kinked(solution.problem)) or solution.report.amplified:
+        fewer = [one.jets(rule.points, 0)[0] for one in _with_fewer_cells(solution)]
+        means += [(SLOWLY if kinked else 1.0) * (values - one) for one in fewer]
     largest = float(np.max(np.abs(values)))
     if largest == 0:
         return 0.0
@@ -369,26 +371,30 @@ def solved(
         )
     problem = oriented(on_cells(problem, float(np.max(rule.grid.size))), rule.points)
     discrete = Discretisation(problem, rule, degree, functions=functions)
-    discrete.require_level()
+    require_level(discrete)
+    if measured and isinstance(problem.equation, EllipticEquation) and problem.equation.order == 2:
+        require_elliptic(problem, rule)
     sampled, regular = SampledFunctions(discrete), surely_regular(discrete)
-    found = solve_system(
-        discrete.matrix,
-        discrete.right,
-        definite=problem.equation.definite and regular,
-        dimension=problem.dimension,
-        symmetric=problem.equation.symmetric,
-        last=discrete.extra_count,
-        held=bool(problem.leaves(Dirichlet, Clamped)) and not problem.leaves(Robin),
-        size=sampled.size,
-        beside=lambda: discrete.lift_size,
-    )
-    inner = discrete.splines.extension.shape[1]
+    if problem.mean is not None:
+        found = solved_with_mean(discrete, problem.mean)
+    else:
+        found = solve_system(
+            discrete.matrix,
+            discrete.right,
+            definite=problem.equation.definite and regular,
+            dimension=problem.dimension,
+            symmetric=problem.equation.symmetric,
+            last=discrete.extra_count,
+            held=bool(problem.leaves(Dirichlet, Clamped)) and not problem.leaves(Robin),
+            size=sampled.size,
+            beside=lambda: discrete.lift_size,
+        )
     told = reported(rule, cells, degree, found).of_corners(problem.corners)
     if measured and found.again is not None and not regular:
         amplification, rounding = resonance(sampled, found.again)
         if not rounding <= SINGULAR:
             raise nearly_singular()
         told = replace(told, amplification=amplification, rounding=max(rounding, found.residual))
-    coefficients = discrete.splines.extension @ found.values[:inner]
-    made = Solution(problem, discrete.splines, coefficients, found.values[inner:], told, rule.order)
+    own, others = np.split(found.values, [discrete.splines.extension.shape[1]])
+    made = Solution(problem, discrete.splines, discrete.splines.extension @ own, others, told, rule.order)
     return with_rule(made, rule)

@@ -12,13 +12,13 @@ import sympy as sp
 
 from rsym.errors import RsymError
 from rsym.language.equations import UNKNOWN
-from rsym.model.arguments import coordinate, whole
+from rsym.model.arguments import coordinate, default, number, whole
 from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, with_letters_of
 from rsym.problems.equations import equation_of
-from rsym.problems.peaks import of_problem, unseen
+from rsym.problems.peaks import is_kinked, of_problem, unseen
 from rsym.problems.places import rule_for, rule_order
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
@@ -40,6 +40,7 @@ def solve(
     letters: Mapping[Any, Any] | None = None,
     axis: Any = None,
     poisson: float | None = None,
+    mean: float | None = None,
     corners: bool = True,
     estimate: bool = True,
     progress: Progress | None = None,
@@ -74,6 +75,8 @@ def solve(
         angle, and operators are those of space.
     poisson : float, optional
         Poisson's ratio of a plate; it matters on edges that are free, or supported and curved.
+    mean : float, optional
+        Of the solution, where only fluxes are given, which have to balance the sources.
     corners : bool
         Whether functions of their own are added at corners of a shape in the plane where solutions are singular; an
         equation that diffuses differently in different directions has none.
@@ -110,6 +113,8 @@ def solve(
     np.True_
     """
     problem = problem_of(shape, equation, conditions, letters=letters, axis=axis, poisson=poisson)
+    if mean is not None:
+        problem = replace(problem, mean=default(number(mean, "the mean"), problem.shape.letters, "the mean"))
     return answered(problem, degree, cells, tolerance, corners, progress, estimate)
 
 
@@ -147,7 +152,7 @@ def answered(
         degree,
         tolerance,
         progress,
-        beside=problem.has_corners,
+        beside=problem.has_corners or is_kinked(problem),
         why=lambda made: made.report.nearness,
     )
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)

@@ -215,7 +215,7 @@ def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
     """The matrix of the mass, inside or on parts of the boundary."""
     shape = discrete.problem.shape
     if not isinstance(mass, Mapping):
-        inside = mass if callable(mass) or isinstance(mass, Shape) else sp.sympify(mass, strict=True)
+        inside = _density(mass)
         _require_mass(value_at(shape, inside, discrete.rule.points), "the shape")
         return discrete.mass(inside)
     boundary = discrete.rule.boundary
@@ -223,12 +223,26 @@ def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
     for part, density in mass.items():
         on = on_part(discrete.problem, boundary, part)
         where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
-        value = density if callable(density) else sp.sympify(density, strict=True)
+        value = _density(density)
         values = value_at(shape, value, where.points)
         _require_mass(values, repr(part))
         weights = boundary.weights[on] * discrete.problem.radius(where.points) * values
         total = total + discrete.assembler.matrix(where, at_values(weights, discrete.kinds), discrete.tests)
     return extended(discrete.splines, total)
+
+
+def _density(mass: Any) -> Any:
+    """A mass as it can be evaluated."""
+    if callable(mass) or isinstance(mass, Shape):
+        return mass
+    try:
+        return sp.sympify(mass, strict=True)
+    except sp.SympifyError:
+        raise RsymError(
+            f"the mass is a number, an expression, a shape or a function, got {mass!r}",
+            code="mass",
+            remedy="for example mass=1 + rsym.x**2",
+        ) from None
 
 
 def _require_mass(values: Floats, place: str) -> None:

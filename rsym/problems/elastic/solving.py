@@ -120,28 +120,11 @@ def elasticity(
     material = condition_value(young, "Young's modulus"), condition_value(poisson, "Poisson's ratio")
     supports = given_by_name(shape, conditions, as_support)
     body = ElasticBody(shape, supports, *material, vector(loads, "a force on a volume"), plane, seams)
-    corners = inward_corners(shape)
-
-    def compared(cells: int, degree: int) -> ElasticSolution:
-        """The state on a grid, with estimates of its errors."""
-        made = in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
-        if degree == 1:
-            return _with_errors(made, math.inf, math.inf, corners)
-
-        def lower(fewer: int) -> ElasticSolution:
-            rule = rule_on(shape, body.named, fewer, degree - 1 + MORE_POINTS)
-            return in_equilibrium(body, rule, fewer, degree - 1)
-
-        other = on_fewer(lower, cells, AT_CORNERS if len(corners) else FEWER)
-        error, stress = _apart(made, other, corners)
-        times = SLOWLY if len(corners) else 1
-        return _with_errors(made, times * error, times * stress, corners)
-
     if cells is not None:
         whole(cells, "the cells", 1)
         if not estimate:
             return in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
-        found = compared(cells, degree)
+        found = _compared(body, cells, degree)
         error = found.report.estimate or 0.0
         if not error <= SURE:
             warn(
@@ -151,7 +134,7 @@ def elasticity(
         return found
 
     def attempt(cells: int, degree: int) -> tuple[ElasticSolution, int, float]:
-        made = compared(cells, degree)
+        made = _compared(body, cells, degree)
         error = (made.report.stress if goal == STRESSES else made.report.estimate) or 0.0
         return made, made.report.unknowns, error if error > wanted else max(error, _missed(made))
 
@@ -162,6 +145,21 @@ def elasticity(
     told = replace(found, report=replace(known, grades=grades, estimate=both[0], stress=both[1]))
     told.__dict__["rule"] = found.rule
     return told
+
+
+def _compared(body: ElasticBody, cells: int, degree: int) -> ElasticSolution:
+    """The state on a grid, with estimates of its errors."""
+
+    def found(cells: int, degree: int) -> ElasticSolution:
+        return in_equilibrium(body, rule_on(body.shape, body.named, cells, degree + MORE_POINTS), cells, degree)
+
+    made, corners = found(cells, degree), inward_corners(body.shape)
+    if degree == 1:
+        return _with_errors(made, math.inf, math.inf, corners)
+    other = on_fewer(lambda fewer: found(fewer, degree - 1), cells, AT_CORNERS if len(corners) else FEWER)
+    error, stress = _apart(made, other, corners)
+    times = SLOWLY if len(corners) else 1
+    return _with_errors(made, times * error, times * stress, corners)
 
 
 def _with_errors(made: ElasticSolution, error: float, stress: float, corners: Floats) -> ElasticSolution:
