@@ -24,6 +24,7 @@ from rsym.problems.equations import EllipticEquation
 from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
 from rsym.problems.galerkin import Discretisation
+from rsym.problems.guards import beyond_data
 from rsym.problems.levels import require_level, solved_with_mean
 from rsym.problems.limits import with_limits
 from rsym.problems.peaks import is_kinked
@@ -321,22 +322,21 @@ def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int, es
 def estimated(solution: Solution, functions: BesideAt | None = None) -> float:
     """How far one degree less is away, in the root of the mean square, as a share of the largest value.
 
-    Where errors are amplified also how far fewer cells are away, with a rule of their own: beside corners without
-    functions degrees differ by less than they are wrong; so where coefficients or data have kinks, of which the rule
-    and the splines know nothing. Where the equation has no solution of less, one degree more.
+    Where errors are amplified, or data have kinks, also how far fewer cells are away, with a rule of their own: beside
+    corners without functions degrees differ by less than they are wrong. Of the least degree one more.
     """
     rule, degree = solution.rule, solution.report.degree
     degree += -1 if degree > solution.problem.order else 1
     other = solved(solution.problem, rule, solution.report.cells, degree, functions, measured=False)
-    values, *apart = (one.jets(rule.points, 0, functions)[0] for one in (solution, other))
-    means = [values - one for one in apart]
+    values, lower = (one.jets(rule.points, 0, functions)[0] for one in (solution, other))
+    means = [values - lower]
     if (kinked := is_kinked(solution.problem)) or solution.report.amplified:
         fewer = [one.jets(rule.points, 0)[0] for one in _with_fewer_cells(solution)]
         means += [(SLOWLY if kinked else 1.0) * (values - one) for one in fewer]
-    largest = float(np.max(np.abs(values)))
-    if largest == 0:
+    if (largest := float(np.max(np.abs(values)))) == 0:
         return 0.0
-    return max(float(np.sqrt(np.sum(rule.weights * one**2) / np.sum(rule.weights)) / largest) for one in means)
+    apart = [float(np.sqrt(np.sum(rule.weights * one**2) / np.sum(rule.weights)) / largest) for one in means]
+    return max(*apart, beyond_data(solution.problem, rule, values))
 
 
 def _with_fewer_cells(solution: Solution) -> list[Solution]:

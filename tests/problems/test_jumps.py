@@ -97,3 +97,10 @@ def test_through_a_part_with_a_given_flux_that_flows():
     u = rsym.solve(sink, "-laplacian(u) = 2", {"top": rsym.robin(3, 1), "left": 0}, cells=8)
     assert u.flux("right") == u.flux("bottom") == 0
     assert u.flux("top") + u.flux("left") == pytest.approx(-4, rel=1e-6)
+
+
+def test_what_lies_beyond_its_data_is_in_the_estimate():
+    spiky = rsym.disc(1).named("rim") - rsym.rectangle(1.3, 0.25).named("bar")
+    u = rsym.solve(spiky, HEAT, {"rim": 0, "bar": 1}, cells=20)
+    values = u.jets(u.rule.points, 0)[0]
+    assert u.report.estimate >= max(-values.min(), values.max() - 1)
