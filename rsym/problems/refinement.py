@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import NamedTuple, TypeVar
 
 from rsym.errors import RsymError, warn
 from rsym.model.requirements import require_positive
-from rsym.reports.numbers import short
+from rsym.reports.numbers import measured, short
 from rsym.sampling.progress import Progress, report
 
 T = TypeVar("T")
@@ -63,6 +64,31 @@ def on_fewer(attempt: Callable[[int], T], cells: int, share: float = FEWER) -> T
         if error.code != "cells":
             raise
         return attempt(cells)
+
+
+def graded_alone(cells: int, degree: int, unknowns: int, error: Callable[[], float], wanted: bool) -> tuple[Grade, ...]:
+    """The one grade of what was found on given cells; none where no estimate is wanted, or there is nothing to compare.
+
+    Examples
+    --------
+    >>> graded_alone(8, 4, 96, lambda: 1e-4, True), graded_alone(8, 4, 96, lambda: 1e-4, False)
+    ((Grade(cells=8, degree=4, unknowns=96, estimate=0.0001),), ())
+    """
+    if wanted and degree > 1:
+        with suppress(RsymError):
+            return (Grade(cells, degree, unknowns, error()),)
+    return ()
+
+
+def told(value: float, grades: Sequence[Grade]) -> str:
+    """A value in as many digits as its estimate leaves, which is a share of it; few where there is none.
+
+    Examples
+    --------
+    >>> told(1.333972, [Grade(8, 4, 96, 1e-4)]), told(1.333972, [])
+    ('1.3340 ± 0.0002', '1.334')
+    """
+    return measured(value, grades[-1].estimate * abs(value)) if grades else short(value)
 
 
 def observed_order(grades: Sequence[Grade]) -> float | None:

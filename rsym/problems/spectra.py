@@ -23,7 +23,16 @@ from rsym.problems.peaks import unseen, varies
 from rsym.problems.places import MORE_POINTS, rule_for
 from rsym.problems.posing import posed_again
 from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
-from rsym.problems.refinement import TOLERANCE, Grade, last_degree, observed_order, on_fewer, refined
+from rsym.problems.refinement import (
+    TOLERANCE,
+    Grade,
+    graded_alone,
+    last_degree,
+    observed_order,
+    on_fewer,
+    refined,
+    told,
+)
 from rsym.problems.solution import Solution, with_rule
 from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, missed, problem_of
@@ -73,9 +82,8 @@ class Spectrum:
         return observed_order(self.grades)
 
     def __repr__(self) -> str:
-        return (
-            f"<Spectrum of {plural(len(self.values), 'eigenvalue')} from {self.values[0]:.6g} to {self.values[-1]:.6g}>"
-        )
+        first, last = (told(float(value), self.grades) for value in self.values[[0, -1]])
+        return f"<Spectrum of {plural(len(self.values), 'eigenvalue')} from {first} to {last}>"
 
     def __getstate__(self) -> dict[str, Any]:
         """A mass that is a function which no pickle holds stays behind."""
@@ -101,13 +109,14 @@ def modes(
     axis: Any = None,
     poisson: float | None = None,
     corners: bool = True,
+    estimate: bool = True,
     progress: Progress | None = None,
 ) -> Spectrum:
     """The least eigenvalues and the modes of a shape: L u = lambda*m*u with homogeneous conditions.
 
     Parameters
     ----------
-    shape, degree, cells, tolerance, letters, axis, poisson, corners, progress
+    shape, degree, cells, tolerance, letters, axis, poisson, corners, estimate, progress
         As in `solve`; the estimate is the largest change of an eigenvalue from one degree less on
         three quarters of the cells, as a share of it.
     count : int
@@ -144,14 +153,21 @@ def modes(
         problem = replace(problem, equation=replace(problem.equation, load=sp.S.Zero))
     _require_homogeneous(problem)
     problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
+
+    def compared(cells: int, degree: int, made: Spectrum) -> float:
+        lower = on_fewer(lambda fewer: _spectrum(problem, fewer, degree - 1, count, mass), cells)
+        scale = np.maximum(np.abs(made.values), np.abs(made.values).max() * 1e-3)
+        return float(np.max(np.abs(made.values - lower.values) / scale))
+
     if cells is not None:
-        return _spectrum(problem, cells, degree, count, mass)
+        made = _spectrum(problem, cells, degree, count, mass)
+        error = partial(compared, cells, degree, made)
+        grades = graded_alone(cells, degree, made.modes[0].report.unknowns, error, estimate)
+        return replace(made, grades=grades)
 
     def attempt(cells: int, degree: int) -> tuple[Spectrum, int, float]:
         made = _spectrum(problem, cells, degree, count, mass)
-        lower = on_fewer(lambda fewer: _spectrum(problem, fewer, degree - 1, count, mass), cells)
-        scale = np.maximum(np.abs(made.values), np.abs(made.values).max() * 1e-3)
-        error = float(np.max(np.abs(made.values - lower.values) / scale))
+        error = compared(cells, degree, made)
         return made, made.modes[0].report.unknowns, error if error > wanted else max(error, _missed(made))
 
     wanted = TOLERANCE if tolerance is None else tolerance

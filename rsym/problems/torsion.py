@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from rsym.problems.extremes import Attained
 from rsym.problems.loops import BoundaryLoop, loops_of
 from rsym.problems.places import rule_for, rule_order
 from rsym.problems.problem import Problem, beside_at, with_corners
-from rsym.problems.refinement import Grade, last_degree, observed_order, on_fewer, refined
+from rsym.problems.refinement import Grade, graded_alone, last_degree, observed_order, on_fewer, refined, told
 from rsym.problems.seams.seamless import Seamless, relettered, seamless
 from rsym.problems.solution import Solution, solved
 from rsym.problems.solving import checked_degree
@@ -66,7 +67,7 @@ class Torsion:
         return self.rigidity
 
     def __repr__(self) -> str:
-        return f"<Torsion of rigidity {self.rigidity:.10g}>"
+        return f"<Torsion of rigidity {told(self.rigidity, self.grades)}>"
 
     @property
     def shape(self) -> Shape:
@@ -111,13 +112,14 @@ def torsion(
     tolerance: float | None = None,
     letters: Mapping[Any, float] | None = None,
     corners: bool = True,
+    estimate: bool = True,
     progress: Progress | None = None,
 ) -> Torsion:
     """The torsion of a shaft whose section is a shape in the plane.
 
     Parameters
     ----------
-    shape, degree, cells, tolerance, letters, corners, progress
+    shape, degree, cells, tolerance, letters, corners, estimate, progress
         As in `solve`; the shape is the section, whose holes are found, the tolerance a share of the rigidity.
 
     Returns
@@ -144,13 +146,20 @@ def torsion(
         raise RsymError("torsion is of a section in the plane", code="dimension", remedy="give a shape of x and y")
     problem = _problem(seamless(shape if letters is None else relettered(shape, letters)))
     problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
+
+    def compared(cells: int, degree: int, made: Torsion) -> float:
+        lower = on_fewer(lambda fewer: _torsion(problem, fewer, degree - 1), cells)
+        return max(abs(1 - lower.rigidity / made.rigidity), made.solution.report.unsure)
+
     if cells is not None:
-        return _torsion(problem, cells, degree)
+        made = _torsion(problem, cells, degree)
+        error = partial(compared, cells, degree, made)
+        grades = graded_alone(cells, degree, made.solution.report.unknowns, error, estimate)
+        return replace(made, grades=grades)
 
     def attempt(cells: int, degree: int) -> tuple[Torsion, int, float]:
         made = _torsion(problem, cells, degree)
-        lower = on_fewer(lambda fewer: _torsion(problem, fewer, degree - 1), cells)
-        error = max(abs(1 - lower.rigidity / made.rigidity), made.solution.report.unsure)
+        error = compared(cells, degree, made)
         return made, made.solution.report.unknowns, error
 
     found, grades = refined(attempt, 2, degree, tolerance, progress)

@@ -186,11 +186,11 @@ class _Known:
         return LeafFactors(sign, tuple(powers.items()))
 
     def _number(self, factor: sp.Expr) -> tuple[int, int]:
-        """The number of an atom and the sign of a factor to it; -1 of a constant."""
+        """The number of an atom and the sign of a factor to it; -1 of a constant, its sign 0 if it has no value."""
         values = self._at(factor)
         usual = np.nanmax(np.abs(values), initial=0.0)
         if not set(factor.free_symbols) & set(self.shape.coordinates):
-            return -1, int(np.sign(values[0]))
+            return -1, int(np.nan_to_num(np.sign(values[0])))
         values = values / usual
         for number, other in enumerate(self._values):
             for sign in (1, -1):

@@ -94,10 +94,12 @@ def seamless(shape: Shape, divisible: bool = True) -> Seamless:
     if form.ends or form.builder.rewritten:
         return typed
     atoms = atoms_of(shape)
+    if atoms.count > MOST_ATOMS or any(leaf.sign == 0 for leaf in atoms.leaves):
+        return typed
     zeros = isolated_zeros(shape, atoms.form, atoms.box)
     atoms = replace(atoms, functions=(*atoms.functions, *(zero.ball(shape) for zero in zeros)))
     changed = len(atoms.form.leaves) != len(form.leaves) or atoms.reduced
-    if atoms.count > MOST_ATOMS or not (atoms.shared or changed or zeros):
+    if not (atoms.shared or changed or zeros):
         return typed
     rows, clauses, place = _proved(atoms, np.array([zero.place for zero in zeros], float).reshape(-1, shape.dimension))
     if clauses is None:
