@@ -15,9 +15,9 @@ A shape with named parts comes in, and conditions by the names of these; functio
   answers
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
   solution is made of; `posing`: its conditions as the letters of its shape have them
-- `plates`: what bending needs; `galerkin`: the system of a problem; `levels`: what fixes the level of its solution;
-  `ellipticity`, `guards`: what equations and solutions have to keep; `refinement`: until errors are small; `peaks`: of
-  data, which a rule misses; `combinations`: sums of the functions of a system; `resonance`: what small changes become
+- `plates`: what bending needs; `galerkin`: the system of a problem; `guards`: what problems and solutions have to keep;
+  `refinement`: until errors are small; `peaks`: of data, which a rule misses; `combinations`: sums of the functions of
+  a system; `resonance`: what small changes become
 - `boundary_data`: values that are rough inside; `jumps`: values that jump; `shares`: functions that are 1 on some
   leaves and 0 on others; `fluxes`: what flows through parts of the boundary
 - `solution`, `solution_report`: what comes out, and how it was found; `printed`: as an expression; `extremes`: its

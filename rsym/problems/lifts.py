@@ -66,7 +66,7 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping:
             data[name] = (sp.S.Zero,)
         elif isinstance(condition, Dirichlet | Clamped | Supported):
             data[name] = tuple(_expression(shape, value, name) for value in condition.values)
-    if all(len(given) == 1 for given in data.values()):
+    if all(len(given) == 1 for given in data.values()) and any(symbols_of(given[0]) for given in data.values()):
         kept = kept_to_boundary(shape, {name: given[0] for name, given in data.items()})
         data = {name: (value,) for name, value in kept.items()}
     values = {given[0] for given in data.values()}

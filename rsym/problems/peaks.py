@@ -19,7 +19,6 @@ from rsym.sampling.rules.quadrature import Quadrature
 from rsym.sampling.rules.refinement import FINER
 
 SEEN = 1e-3  # of sums on two rules: larger differences are peaks that one of them misses
-KINKED = (sp.Piecewise, sp.Abs, sp.sign, sp.Heaviside, sp.Max, sp.Min, sp.floor, sp.ceiling)
 
 # The values (k, n) of data on a rule, and the weights (n,) of its points there.
 Data: TypeAlias = Callable[[Quadrature], Iterator[tuple[Floats, Floats]]]
@@ -65,10 +64,3 @@ def of_problem(problem: Problem) -> Data | None:
             yield lift(boundary.points), boundary.weights
 
     return data
-
-
-def is_kinked(problem: Problem) -> bool:
-    """Whether a coefficient of the equation, or what is given on the boundary, is a formula that has kinks or jumps."""
-    given = [value for one in problem.conditions if one is not None for value in one.values]
-    every = [*problem.equation.expressions.values(), *(value for value in given if isinstance(value, sp.Expr))]
-    return any(isinstance(part, KINKED) for value in every for part in sp.preorder_traversal(value))

@@ -19,9 +19,9 @@ from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.loops import holes
 from rsym.problems.pointwise import compiled
 from rsym.problems.problem import VALUED, Problem, with_corners
-from rsym.problems.seams.seamless import relettered
 from rsym.problems.switches import placed_conditions
 from rsym.program.lowering import lower
+from rsym.sampling.windows import relettered
 
 # Places along an axis, in shares of the size of a shape.
 PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])

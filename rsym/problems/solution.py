@@ -19,15 +19,12 @@ from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.combinations import add_beside, weighted
-from rsym.problems.ellipticity import require_elliptic
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
 from rsym.problems.galerkin import Discretisation
-from rsym.problems.guards import beyond_data
-from rsym.problems.levels import require_level, solved_with_mean
+from rsym.problems.guards import beyond_data, is_kinked, require_elliptic, require_level, solved_with_mean
 from rsym.problems.limits import with_limits
-from rsym.problems.peaks import is_kinked
 from rsym.problems.places import inside, on_shape, rule_for
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed

@@ -21,10 +21,11 @@ from rsym.problems.loops import BoundaryLoop, loops_of
 from rsym.problems.places import rule_for, rule_order
 from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import Grade, graded_alone, last_degree, observed_order, on_fewer, refined, told
-from rsym.problems.seams.seamless import Seamless, relettered, seamless
+from rsym.problems.seams.seamless import Seamless, seamless
 from rsym.problems.solution import Solution, solved
 from rsym.problems.solving import checked_degree
 from rsym.sampling.progress import Progress
+from rsym.sampling.windows import relettered
 
 
 @dataclass(frozen=True, eq=False, repr=False)

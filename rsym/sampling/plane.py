@@ -24,11 +24,10 @@ from rsym.program.calculus import SCALARS
 from rsym.program.fields import program_of
 from rsym.sampling.lattice import Lattice, lattice_over
 from rsym.sampling.memory import Demand
-from rsym.sampling.windows import bounds_or_extent, check_letters
+from rsym.sampling.windows import SURROUNDINGS, bounds_or_extent, check_letters
 
 # Of one field that is drawn, measured on a section of the car at 4000 cells.
 SAMPLES = Demand(memory=85.0, time=4e-7)
-SURROUNDINGS = 1 / 8  # of a side, shown around a zero set whose bounds were found
 
 
 @runtime_checkable

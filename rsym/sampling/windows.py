@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -11,13 +12,14 @@ import numpy as np
 
 from rsym.errors import RsymError, warn
 from rsym.logic.sign_form import SignForm, surface_form
-from rsym.model.bounding import checked_bounds, hull, outwards
+from rsym.model.bounding import BoundingBox, checked_bounds, hull, outwards
 from rsym.model.recent import recently, written
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Bounds, Shape
 from rsym.sampling.extent import extent, extent_of, holds_boundary, opened_form, proved_signs
 from rsym.sampling.form_signs import Boxes, FormBounds, FormSigns, check_parameters, grid, points
 
+SURROUNDINGS = 1 / 8  # of a side, shown around a zero set whose bounds were found
 SHARES = Fraction(1, 2), Fraction(0), Fraction(1)  # of ranges of letters
 AROUND, LOOKED_AT = (0.03, 0.3, 3.0), 24  # times a side beyond a window, and points along each axis there
 
@@ -129,6 +131,17 @@ def surrounded(bounds: Bounds, room: float) -> Bounds:
     ((-1.0, 9.0), (-0.5, 4.5))
     """
     return tuple((low - room * (high - low), high + room * (high - low)) for low, high in bounds)
+
+
+def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:
+    """The shape at other letters, within bounds about it there where it has any: those of before may cut it."""
+    changed = shape.with_letters(values)
+    if shape.box is None or changed.letters == shape.letters:
+        return changed
+    with suppress(RsymError):
+        box = surrounded(extent(changed), SURROUNDINGS)
+        return changed.replace(bounds=box) if changed.bounds else replace(changed, box=BoundingBox(box))
+    return changed
 
 
 def _all_of_it(shape: Shape, letters: Mapping[Any, float] | None) -> tuple[Bounds, str]:

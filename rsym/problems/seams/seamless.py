@@ -8,7 +8,6 @@ a corner, whose functions are then not known.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import reduce
 from typing import Any, NamedTuple
@@ -21,7 +20,6 @@ from rsym.errors import RsymError
 from rsym.logic.separation import multiple, separated
 from rsym.logic.sign_form import shape_form
 from rsym.logic.weights import constant_speed
-from rsym.model.bounding import BoundingBox
 from rsym.model.operations import conjunction, disjunction
 from rsym.model.recent import placed, recently
 from rsym.model.shape import Shape
@@ -30,10 +28,8 @@ from rsym.problems.seams.clauses import Clause, clauses_of
 from rsym.problems.seams.isolated import isolated_zeros
 from rsym.problems.seams.proof import unproved
 from rsym.problems.seams.rows import SignRows, rows_around, rows_at, rows_of, rows_on
-from rsym.sampling.extent import extent
 from rsym.sampling.labels import Labeller
-from rsym.sampling.plane import SURROUNDINGS
-from rsym.sampling.windows import surrounded
+from rsym.sampling.windows import relettered
 
 MOST_ATOMS = 60  # beyond, a form stays as it is typed
 ROUNDS = 4  # of clauses, of which each knows the places where those before were wrong
@@ -146,17 +142,6 @@ def _split(
         found = [(name, other if one == leaf and name in outside else one) for name, one in found]
         split[leaf] = conjunction(disjunction(leaf, -where), disjunction(other, where))
     return tuple(found), split
-
-
-def relettered(shape: Shape, values: Mapping[Any, Any]) -> Shape:
-    """The shape at other letters, within bounds about it there where it has any: those of before may cut it."""
-    changed = shape.with_letters(values)
-    if shape.box is None or changed.letters == shape.letters:
-        return changed
-    with suppress(RsymError):
-        box = surrounded(extent(changed), SURROUNDINGS)
-        return changed.replace(bounds=box) if changed.bounds else replace(changed, box=BoundingBox(box))
-    return changed
 
 
 def _proved(atoms: SignAtoms, zeros: Floats) -> tuple[SignRows, tuple[Clause, ...] | None, Floats | None]:
