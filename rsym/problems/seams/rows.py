@@ -16,6 +16,7 @@ from rsym.arrays import Flags, Floats, Ints
 from rsym.problems.seams.atoms import SignAtoms, Signs
 
 LATTICE = {2: 65, 3: 17}  # points along each axis
+FAR = 2.5, 20.0, 400.0  # times as large are lattices that tell what is outside
 OFF = 0.4142  # of a cell: where its point is, for shapes lie on round numbers
 NEWTON_STEPS = 8
 APART, ON = 1e-4, 1e-10  # of the size: nearer to another atom a point tells nothing; so near it is on its own
@@ -66,7 +67,8 @@ def lattice(atoms: SignAtoms) -> Floats:
 def rows_of(atoms: SignAtoms) -> SignRows:
     """The rows that a lattice finds."""
     places = lattice(atoms)
-    found = rows_at(atoms, places)
+    middle = np.array(atoms.box, float).mean(axis=1)
+    found = rows_at(atoms, np.concatenate([places, *(middle + times * (places - middle) for times in FAR)]))
     near = 1.5 * atoms.size / LATTICE[atoms.shape.dimension]
     return found.joined(rows_on(atoms, places, near)).joined(rows_where_atoms_meet(atoms, places))
 

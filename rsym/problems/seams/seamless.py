@@ -28,10 +28,12 @@ from rsym.problems.seams.clauses import Clause, clauses_of
 from rsym.problems.seams.isolated import isolated_zeros
 from rsym.problems.seams.proof import unproved
 from rsym.problems.seams.rows import SignRows, rows_around, rows_at, rows_of, rows_on
+from rsym.sampling.extent import extent
 from rsym.sampling.labels import Labeller
 from rsym.sampling.windows import relettered
 
-MOST_ATOMS = 60  # beyond, a form stays as it is typed
+BEYOND = 0.05  # of the size: how far extents may differ
+MOST_ATOMS = 60  # beyond, a form stays as it is typed, or is refused
 ROUNDS = 4  # of clauses, of which each knows the places where those before were wrong
 SPREAD = 1e-3, 1e-5  # of the size: how far from a place where nothing is proved is looked
 LOOKED_AT = 64  # points about such a place
@@ -90,7 +92,11 @@ def seamless(shape: Shape, divisible: bool = True) -> Seamless:
     if form.ends or form.builder.rewritten:
         return typed
     atoms = atoms_of(shape)
-    if atoms.count > MOST_ATOMS or any(leaf.sign == 0 for leaf in atoms.leaves):
+    if any(leaf.sign == 0 for leaf in atoms.leaves):
+        return typed
+    if atoms.count > MOST_ATOMS:
+        if atoms.shared and len(seams := rows_of(atoms).seams):
+            raise _refused(_told(seams[0]))
         return typed
     zeros = isolated_zeros(shape, atoms.form, atoms.box)
     atoms = replace(atoms, functions=(*atoms.functions, *(zero.ball(shape) for zero in zeros)))
@@ -101,14 +107,7 @@ def seamless(shape: Shape, divisible: bool = True) -> Seamless:
     if clauses is None:
         if not (len(rows.seams) or zeros):
             return typed
-        place = rows.seams[0] if place is None else place
-        raise RsymError(
-            "the formula is zero inside, where parts share an edge, and what is sought would be zero there too; that "
-            "another formula is zero on the boundary alone could not be proved",
-            code="seam",
-            where="(" + ", ".join(f"{value:.6g}" for value in place) + ")",
-            remedy="let the parts overlap there, or give the outline as one part",
-        )
+        raise _refused(_told(rows.seams[0] if place is None else place))
     named = _names(shape, atoms, rows, clauses)
     if (named is None or named[1]) and not len(rows.seams):
         return typed
@@ -120,13 +119,42 @@ def seamless(shape: Shape, divisible: bool = True) -> Seamless:
         )
     parts, divided = named
     leaves = [_literal(atoms, k) for k in range(2 * atoms.count)]
+    if not _ends(_formed(shape, leaves, clauses), atoms):
+        if not (len(rows.seams) or zeros):
+            return typed
+        raise _refused("beyond its extent")
     if not divisible:
         parts, split = _split(parts, divided)
         leaves = [split.get(leaf, leaf) for leaf in leaves]
         divided = ()
-    expression = _joined([[leaves[k] for k in clause] for clause in clauses])
-    made = replace(shape, expression=expression, parts=parts, definitions=())
-    return Seamless(made, shape, divided, divisible)
+    return Seamless(replace(_formed(shape, leaves, clauses), parts=parts), shape, divided, divisible)
+
+
+def _told(place: Floats) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in place) + ")"
+
+
+def _refused(where: str) -> RsymError:
+    return RsymError(
+        "the formula is zero inside, where parts share an edge, and what is sought would be zero there too; that "
+        "another formula is zero on the boundary alone could not be proved",
+        code="seam",
+        where=where,
+        remedy="let the parts overlap there, or give the outline as one part",
+    )
+
+
+def _ends(made: Shape, atoms: SignAtoms) -> bool:
+    """Whether the new form has nothing beyond the box in which it is proved."""
+    if made.bounds is not None:
+        return True
+    try:
+        found = np.array(extent(made))
+    except RsymError:
+        return False
+    low, high = np.array(atoms.box, float).T
+    room = BEYOND * atoms.size
+    return bool((found[:, 0] >= low - room).all() and (found[:, 1] <= high + room).all())
 
 
 def _split(
@@ -175,8 +203,10 @@ def _literal(atoms: SignAtoms, number: int) -> sp.Expr:
     return -one if number % 2 else one
 
 
-def _joined(clauses: Sequence[Sequence[sp.Expr]]) -> sp.Expr:
-    return reduce(conjunction, [reduce(disjunction, clause) for clause in clauses])
+def _formed(shape: Shape, leaves: Sequence[sp.Expr], clauses: Sequence[Clause]) -> Shape:
+    """The shape by clauses of leaves, without parts."""
+    expression = reduce(conjunction, [reduce(disjunction, [leaves[k] for k in clause]) for clause in clauses])
+    return replace(shape, expression=expression, parts=(), definitions=())
 
 
 def _names(

@@ -160,3 +160,15 @@ def test_a_point_inside_where_a_formula_is_zero_is_not_held():
     assert abs(found / truth - 1) < 1e-5
     body = rsym.Shape(x**2 + y**2 + z**2 - x**4 - y**4 - z**4, (x, y, z))
     assert "disjunction" in str(seamless(body).shape)
+
+
+def test_large_forms_that_are_zero_inside_are_refused_and_combs_are_not():
+    def comb(teeth):
+        shape = rect(0, 2 * teeth, 0, 1)
+        for k in range(teeth):
+            shape = shape | rect(2 * k, 2 * k + 1, 1, 2)
+        return shape
+
+    assert seamless(comb(6)).rewritten
+    with pytest.raises(rsym.RsymError, match="the formula is zero inside"):
+        seamless(comb(40))
