@@ -96,6 +96,8 @@ def lift_on(
     if not own:
         return sp.S.Zero
     if jumping and (jumps := jumps_of(parts, own)):
+        given = {name: value for name, value in values.items() if name in parts.leaves}
+        parts.require_agreement(given, [jump.corner.point for jump in jumps])
         function, left = with_jumps(parts, own, jumps)
         if all(value == 0 for value in left.values()):
             return function

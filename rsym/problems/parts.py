@@ -26,6 +26,7 @@ from rsym.problems.meetings import Places
 from rsym.sampling.windows import bounds_or_extent
 
 AGREEMENT = 1e-9  # of the size of data
+NEAR = 1e-6  # of the box: points that are one
 ASIDE, LOOSELY = 1e-8, 1e-3  # where data are undefined where they meet: of the box, and of their size
 UNIT = 1e-6  # how far the gradient of a normalised weight may be from 1 in length
 LATTICE = 5  # points along each axis that tell the size of data
@@ -84,12 +85,16 @@ class Parts:
                     remedy="give it a formula that changes its sign with a slope, or values alone",
                 )
 
-    def require_agreement(self, data: Mapping[Name, sp.Expr]) -> None:
-        """Refuse values of two parts that differ where these meet, letters at their defaults."""
+    def require_agreement(self, data: Mapping[Name, sp.Expr], jumping: Sequence[Sequence[float]] = ()) -> None:
+        """Refuse values of two parts that differ where these meet, letters at their defaults, but `jumping` points."""
+        near = NEAR * float(np.diff(self.box, axis=1).max())
         for (one, f), (other, g) in combinations(data.items(), 2):
             if f == g:
                 continue
             points, doubt = self.meeting(one, other)
+            for corner in jumping:
+                away = np.hypot(*(points - np.array(corner)).T) > near
+                points, doubt = points[away], doubt[away]
             if not len(points):
                 continue
             compared = _Compared(self.shape, f, g, self.box)

@@ -104,3 +104,11 @@ def test_what_lies_beyond_its_data_is_in_the_estimate():
     u = rsym.solve(spiky, HEAT, {"rim": 0, "bar": 1}, cells=20)
     values = u.jets(u.rule.points, 0)[0]
     assert u.report.estimate >= max(-values.min(), values.max() - 1)
+
+
+def test_values_that_differ_where_edges_touch_are_refused_beside_jumps():
+    # The discs touch inside: a cusp, where no angle tells; at the other corners values may jump.
+    crescent = rsym.disc(1).named("outer") - rsym.disc(1 / 2, (1 / 2, 0)).named("inner")
+    half = crescent & plane(x + y + 1 / 4).named("cut")
+    with pytest.raises(rsym.RsymError, match="meet at"):
+        rsym.solve(half, HEAT, {"outer": 0, "inner": 1, "cut": 2}, cells=16)
