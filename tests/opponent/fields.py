@@ -79,7 +79,7 @@ def asked(case):
         try:
             found = rsym.solve(case.shape, equation, condition, letters=letters, cells=case.cells)
         except rsym.RsymError as error:
-            return f"refused: {error.code}", [] if error.code in ("cells",) else [str(error)]
+            return f"refused: {error.code}", [] if error.code in ("cells", "seam") else [str(error)]
     rule = found.rule
     truth = rsym.compile(rsym.Shape(u, (x, y)), backend="numpy")(*rule.points.T)["value"]
     away = found.jets(rule.points, 0)[0] - truth
