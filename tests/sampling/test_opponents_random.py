@@ -1,14 +1,14 @@
-"""The opponents of labels, windows, parts without a value, steps, thin lines, pictures, lengths, measures."""
+"""The opponents of labels, windows, parts without a value, steps, thin lines, pictures, lengths, measures, fields."""
 
 import os
 
 import pytest
-from opponent import lengths, measures, parted, pictures, steps, thin, undefined, windows
+from opponent import fields, lengths, measures, parted, pictures, steps, thin, typings, undefined, windows
 
 SEED = int(os.environ.get("RSYM_TEST_SEED", "0"))
 OPPONENTS = {
     one.__name__.rpartition(".")[2]: one
-    for one in (lengths, measures, parted, pictures, steps, thin, undefined, windows)
+    for one in (fields, lengths, measures, parted, pictures, steps, thin, typings, undefined, windows)
 }
 
 
@@ -23,3 +23,8 @@ def test_nothing_is_silent_and_wrong(kind, number):
 @pytest.mark.parametrize("seed", [6027, 80208, 80257, 83019], ids=["wedges", "contact", "needles", "tip"])
 def test_what_is_below_a_cell_is_right_or_told(seed):
     assert thin.asked(thin.case(seed))[1] == []
+
+
+@pytest.mark.parametrize("seed", [0, 9, 14, 23], ids=["ring", "triangle", "L", "hexagon"])
+def test_parts_that_overlap_by_little_are_one(seed):
+    assert typings.asked(typings.case(seed))[1] == []

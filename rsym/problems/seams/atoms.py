@@ -21,12 +21,13 @@ from rsym.backends.interpreter import interpret
 from rsym.bounds.intervals import IntervalFunction
 from rsym.logic.gates import through
 from rsym.logic.lifting import unfolded
-from rsym.logic.sign_form import SignForm, has_kinks, shape_form
+from rsym.logic.sign_form import SignForm, has_kinks, shape_builder, shape_form
 from rsym.model.shape import Bounds, Shape
 from rsym.problems.pointwise import PointFormulas, compiled, with_derivatives
 from rsym.program.builder import Builder
 from rsym.program.lowering import lower
 from rsym.program.raising import raised
+from rsym.sampling.labels import LEAST
 from rsym.sampling.windows import bounds_or_extent
 
 MOST_DEGREE, MOST_TERMS = 12, 120  # of a polynomial whose factors are looked for
@@ -101,9 +102,7 @@ class SignAtoms:
             for atom, power in leaf.powers:
                 found = found * (signs[atom] if power % 2 else np.abs(signs[atom]))
             own.append(found)
-        return through(
-            self.form.gates, own, lambda gate, a, b: (np.minimum if gate.operation == "min" else np.maximum)(a, b)
-        )[-1]
+        return through(self.form.gates, own, lambda gate, one, other: LEAST[gate.operation](one, other))[-1]
 
     def holds(self, signs: NDArray[Any]) -> Flags:
         """Whether the form is positive for all signs that zeros of the atoms may turn into."""
@@ -118,7 +117,7 @@ class SignAtoms:
 
     @cached_property
     def _built(self) -> tuple[Builder, dict[str, int]]:
-        builder = Builder(tuple(one.name for one in self.shape.coordinates), tuple(self.shape.letters))
+        builder = shape_builder(self.shape)
         nodes = {f"atom {k}": lower(builder, function) for k, function in enumerate(self.functions)}
         return builder, with_derivatives(builder, nodes, builder.coordinates, 1)
 
@@ -201,7 +200,7 @@ class _Known:
         return len(self.functions) - 1, 1
 
     def _at(self, factor: sp.Expr) -> Floats:
-        builder = Builder(tuple(one.name for one in self.shape.coordinates), tuple(self.shape.letters))
+        builder = shape_builder(self.shape)
         program = builder.program({"": lower(builder, factor)})
         inputs = {**dict(zip(program.coordinates, self._places.T, strict=True)), **self.shape.letters.values_with(None)}
         found = np.broadcast_to(interpret(program, inputs)[""], len(self._places))

@@ -14,12 +14,13 @@ from rsym.backends.interpreter import interpret
 from rsym.logic.gates import through
 from rsym.logic.sign_form import SignForm
 from rsym.model.shape import Bounds, Shape
+from rsym.sampling.labels import LEAST
 
 LATTICE = {2: 65, 3: 25}  # points along each axis
 ZOOMS, CLOSER, ACROSS = 16, 0.3, 9  # lattices, each so much smaller than the one before, of so many points
 FALLS = 0.7  # what the least value of a lattice is at most of that before, where there is a zero
 MOST = 64  # least values of a lattice that are looked at
-AROUND, DIRECTIONS, LEAST = 1e-3, 4096, 2e-3  # of the size; points there; of the usual value
+AROUND, DIRECTIONS, FEW = 1e-3, 4096, 2e-3  # of the size; points there; of the usual value
 ROUNDING = 1e-13  # of the largest value
 NEXT = 1e-5  # of the size: a fraction with such a denominator that is a zero is taken for the place
 WITHIN = 0.4  # of the distance to what is not inside
@@ -83,8 +84,7 @@ class _Values:
         inputs = {**dict(zip(self.program.coordinates, points.T, strict=True)), **self.letters}
         every = interpret(self.program, inputs)
         leaves = [np.broadcast_to(every[f"{k}"], len(points)) for k in range(len(self.form.leaves))]
-        least = {"min": np.minimum, "max": np.maximum}
-        return through(self.form.gates, leaves, lambda gate, one, other: least[gate.operation](one, other))[-1]
+        return through(self.form.gates, leaves, lambda gate, one, other: LEAST[gate.operation](one, other))[-1]
 
     def nearest_zero(self, place: Floats, side: Floats, noise: float) -> Floats | None:
         """Where the form falls to zero about a place, if it does: the least of lattices, each smaller than the last."""
@@ -104,4 +104,4 @@ class _Values:
         """Whether the form is so on a circle or a sphere about a place, and nowhere on it nearly zero: on no line."""
         ways = np.random.default_rng(40).normal(size=(DIRECTIONS, len(place)))
         found = self(place + radius * ways / np.linalg.norm(ways, axis=1, keepdims=True))
-        return bool(found.min() > LEAST * np.median(found))
+        return bool(found.min() > FEW * np.median(found))

@@ -108,7 +108,8 @@ def seamless(shape: Shape, divisible: bool = True) -> Seamless:
         if not (len(rows.seams) or zeros):
             return typed
         raise _refused(_told(rows.seams[0] if place is None else place))
-    named = _names(shape, atoms, rows, clauses)
+    leaves = [_literal(atoms, k) for k in range(2 * atoms.count)]
+    named = _names(shape, rows, leaves)
     if (named is None or named[1]) and not len(rows.seams):
         return typed
     if named is None:
@@ -118,16 +119,15 @@ def seamless(shape: Shape, divisible: bool = True) -> Seamless:
             remedy="give these parts one name, or let each have an edge of its own",
         )
     parts, divided = named
-    leaves = [_literal(atoms, k) for k in range(2 * atoms.count)]
-    if not _ends(_formed(shape, leaves, clauses), atoms):
+    made = _formed(shape, leaves, clauses)
+    if not _ends(made, atoms):
         if not (len(rows.seams) or zeros):
             return typed
         raise _refused("beyond its extent")
     if not divisible:
         parts, split = _split(parts, divided)
-        leaves = [split.get(leaf, leaf) for leaf in leaves]
-        divided = ()
-    return Seamless(replace(_formed(shape, leaves, clauses), parts=parts), shape, divided, divisible)
+        made, divided = _formed(shape, [split.get(leaf, leaf) for leaf in leaves], clauses), ()
+    return Seamless(replace(made, parts=parts), shape, divided, divisible)
 
 
 def _told(place: Floats) -> str:
@@ -210,7 +210,7 @@ def _formed(shape: Shape, leaves: Sequence[sp.Expr], clauses: Sequence[Clause]) 
 
 
 def _names(
-    shape: Shape, atoms: SignAtoms, rows: SignRows, clauses: Sequence[Clause]
+    shape: Shape, rows: SignRows, leaves: Sequence[sp.Expr]
 ) -> tuple[tuple[tuple[str, sp.Expr], ...], tuple[LeafOfTwo, ...]] | None:
     """The parts of the new form, each a leaf, and the leaves that belong to two; None where one belongs to more."""
     if not shape.parts:
@@ -221,13 +221,13 @@ def _names(
     for literal in sorted({*rows.own.tolist()}):
         on = rows.own == literal
         groups = sorted({labels.parts[k] for k in labels.number[on].tolist() if k >= 0})
-        leaf = _literal(atoms, literal)
+        leaf = leaves[literal]
         if len(groups) > 1:
             held = np.array([labels.parts[k] == groups[0] if k >= 0 else False for k in labels.number[on].tolist()])
             where = _separator(rows.boundary[on], held) if len(groups) == 2 else None
             if where is None:
                 return None
-            divided.append(LeafOfTwo(leaf, _literal(atoms, where), groups[0], groups[1]))
+            divided.append(LeafOfTwo(leaf, leaves[where], groups[0], groups[1]))
         parts += [(name, leaf) for group in groups for name in group if name]
     own = {name for name, _ in shape.parts}
     return tuple((name, leaf) for name, leaf in parts if name in own), tuple(divided)

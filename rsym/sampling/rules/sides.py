@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -32,16 +33,11 @@ def closed_sides(functions: Any, rule: Quadrature) -> Ints:
     >>> closed_sides(halves.functions, halves.rule(10, 4)).tolist()[:2]
     [[40, 50], [41, 51]]
     """
-    counts = rule.grid.counts
-    touched, full = np.zeros((2, int(np.prod(counts))), np.bool_)
-    touched[rule.touched], full[rule.full] = True, True
+    full = np.zeros(int(np.prod(rule.grid.counts)), np.bool_)
+    full[rule.full] = True
     found = [np.empty((0, 2), np.int64)]
-    for axis in range(len(counts)):
-        index = np.indices(counts).reshape(len(counts), -1)
-        first = np.flatnonzero(index[axis] < counts[axis] - 1)
-        second = first + int(np.prod(counts[axis + 1 :]))
-        asked = touched[first] & touched[second] & ~full[first] & ~full[second]
-        pairs = np.stack([first[asked], second[asked]], axis=1)
+    for axis, pairs in enumerate(_neighbours(rule)):
+        pairs = pairs[~full[pairs].any(axis=1)]
         for met in (_met, _crossed):
             pairs = pairs[~met(functions, *_lines(rule, pairs[:, 1], axis))]
         found.append(pairs[~_seen_from(functions, rule, pairs, axis)] if len(pairs) else pairs)
@@ -60,22 +56,26 @@ def pieces_of(rule: Quadrature) -> Ints:
     >>> sorted(set(pieces_of(discs).tolist()))
     [-1, 0, 1]
     """
-    counts, total = rule.grid.counts, int(np.prod(rule.grid.counts))
-    touched = np.zeros(total, np.bool_)
-    touched[rule.touched] = True
-    pairs = []
-    for axis, count in enumerate(counts):
-        index = np.indices(counts).reshape(len(counts), -1)
-        first = np.flatnonzero(index[axis] < count - 1)
-        second = first + int(np.prod(counts[axis + 1 :]))
-        asked = touched[first] & touched[second]
-        pairs.append(first[asked] * total + second[asked])
-    joined = np.setdiff1d(np.concatenate(pairs), rule.closed[:, 0] * total + rule.closed[:, 1])
+    total = int(np.prod(rule.grid.counts))
+    both = np.array([total, 1])
+    joined = np.setdiff1d(np.concatenate(list(_neighbours(rule))) @ both, rule.closed @ both)
     links = coo_matrix((np.ones(len(joined)), np.divmod(joined, total)), shape=(total, total))
     _, found = connected_components(links, directed=False)
     pieces = np.full(total, -1, np.int64)
-    _, pieces[touched] = np.unique(found[touched], return_inverse=True)
+    _, pieces[rule.touched] = np.unique(found[rule.touched], return_inverse=True)
     return pieces
+
+
+def _neighbours(rule: Quadrature) -> Iterator[Ints]:
+    """For each axis the pairs (n, 2) of touched cells next to each other along it."""
+    counts = rule.grid.counts
+    touched, index = np.zeros(int(np.prod(counts)), np.bool_), np.indices(counts).reshape(len(counts), -1)
+    touched[rule.touched] = True
+    for axis, count in enumerate(counts):
+        first = np.flatnonzero(index[axis] < count - 1)
+        second = first + int(np.prod(counts[axis + 1 :]))
+        asked = touched[first] & touched[second]
+        yield np.stack([first[asked], second[asked]], axis=1)
 
 
 def _lines(rule: Quadrature, cells: Ints, axis: int) -> tuple[Floats, Floats]:
