@@ -19,13 +19,15 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from rsym.arrays import Flags, Floats
+from rsym.arrays import Flags, Floats, Ints
 from rsym.problems.seams.atoms import SignAtoms, Signs
 from rsym.problems.seams.clauses import Clause
 from rsym.problems.seams.rows import literals, slid
 
 MOST_OPEN = 7  # atoms of a box of which all signs are tried
 DEPTH = {2: 20, 3: 9}  # halvings
+# Where atoms touch and part slowly, heaps of boxes lie beside the germ in which they are apart by less than a box.
+DEEPER = {2: (4, 4), 3: (1,)}
 MOST_BOXES = 20000
 ROOM = 0.0137, 0.0173  # of a side, beyond the box: corners are on round numbers
 RADII = 3.0, 1.2  # of the longest side of a heap of boxes, of circles about it
@@ -39,45 +41,36 @@ TRIED = 200  # points about a germ in space
 
 def unproved(atoms: SignAtoms, clauses: Sequence[Clause], most: int = 20) -> Floats:
     """The places (n, dim), at most so many, where nothing is proved; none where all is."""
-    checked = _Checked(atoms, clauses)
+    checked, dimension = _Checked(atoms, clauses), atoms.shape.dimension
     low, high = np.array(atoms.box, float).T[:, None]
-    low, high = low - ROOM[0] * (high - low), high + ROOM[1] * (high - low)
-    for _ in range(DEPTH[atoms.shape.dimension]):
-        signs = atoms.over(low, high)
-        kinds, which = np.unique(signs, axis=1, return_inverse=True)
-        agrees = np.array([checked.agrees(tuple(kind)) for kind in kinds.T.tolist()])
-        left = ~agrees[which.ravel()]
-        low, high = low[left], high[left]
-        if not len(low):
-            return np.empty((0, atoms.shape.dimension))
-        if len(low) > MOST_BOXES:
-            crowded: Floats = (low[:most] + high[:most]) / 2
-            return crowded
-        middle = (low + high) / 2
-        parts = np.array(list(product((False, True), repeat=atoms.shape.dimension)))
-        low, high = (
-            np.concatenate([np.where(part, *ends) for part in parts]) for ends in ((middle, low), (high, middle))
-        )
-    found = []
-    for place, side in _heaps(low, high):
-        if not checked.germ(place, side):
-            found.append(place)
-            if len(found) == most:
-                break
-    return np.array(found).reshape(-1, atoms.shape.dimension)
+    heaps = [(low - ROOM[0] * (high - low), high + ROOM[1] * (high - low))]
+    for depth in (DEPTH[dimension], *DEEPER[dimension]):
+        left = []
+        for heap in heaps:
+            low, high = checked.halved(*heap, depth)
+            if len(low) > MOST_BOXES:
+                crowded: Floats = (low[:most] + high[:most]) / 2
+                return crowded
+            left += [(low[heap], high[heap]) for heap in _heaps(low, high)]
+        heaps = [heap for heap in left if not checked.germ(*_around(*heap))]
+    return np.array([_around(*heap)[0] for heap in heaps[:most]]).reshape(-1, dimension)
 
 
-def _heaps(low: Floats, high: Floats) -> list[tuple[Floats, float]]:
-    """The middle of each heap of boxes that touch, and its longest side."""
+def _heaps(low: Floats, high: Floats) -> list[Ints]:
+    """Boxes that touch."""
+    if not len(low):
+        return []
     middles, side = (low + high) / 2, float((high - low).max())
     pairs = cKDTree(middles).query_pairs(1.5 * side, p=np.inf, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(middles),) * 2)
     count, heap = connected_components(links, directed=False)
-    found = []
-    for number in range(count):
-        first, last = low[heap == number].min(axis=0), high[heap == number].max(axis=0)
-        found.append(((first + last) / 2, float((last - first).max())))
-    return found
+    return [np.flatnonzero(heap == number) for number in range(count)]
+
+
+def _around(low: Floats, high: Floats) -> tuple[Floats, float]:
+    """The middle of a heap of boxes, and its longest side."""
+    first, last = low.min(axis=0), high.max(axis=0)
+    return (first + last) / 2, float((last - first).max())
 
 
 class _Checked:
@@ -86,6 +79,24 @@ class _Checked:
     def __init__(self, atoms: SignAtoms, clauses: Sequence[Clause]) -> None:
         self.atoms, self.clauses = atoms, clauses
         self._known: dict[tuple[int, ...], bool] = {}
+
+    def halved(self, low: Floats, high: Floats, depth: int) -> tuple[Floats, Floats]:
+        """The boxes, halved so many times, in which it is open whether they agree; too many as soon as there are."""
+        corners = np.array(list(product((False, True), repeat=self.atoms.shape.dimension)))
+        for _ in range(depth):
+            signs = self.atoms.over(low, high)
+            kinds, which = np.unique(signs, axis=1, return_inverse=True)
+            agrees = np.array([self.agrees(tuple(kind)) for kind in kinds.T.tolist()], np.bool_)
+            left = ~agrees[which.ravel()]
+            low, high = low[left], high[left]
+            if not 0 < len(low) <= MOST_BOXES:
+                break
+            middle = (low + high) / 2
+            low, high = (
+                np.concatenate([np.where(corner, *ends) for corner in corners])
+                for ends in ((middle, low), (high, middle))
+            )
+        return low, high
 
     def holds(self, signs: Signs) -> Flags:
         """Whether the clauses do (n,), zeros false."""

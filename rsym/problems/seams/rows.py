@@ -23,6 +23,7 @@ APART, ON = 1e-4, 1e-10  # of the size: nearer to another atom a point tells not
 PARALLEL = 1e-9  # one less the cosine of atoms that run along each other
 MOST_MEETING = 60  # atoms of which all pairs are looked at for points in common
 AROUND = 16  # directions from a point where atoms meet
+ONTO = 3  # steps of Newton's from there onto an atom
 
 
 class SignRows(NamedTuple):
@@ -154,12 +155,29 @@ def rows_around(atoms: SignAtoms, points: Floats) -> SignRows:
     ways = np.random.default_rng(37).normal(size=(AROUND * (dimension - 1) ** 2, dimension))
     ways *= APART * atoms.size / np.linalg.norm(ways, axis=1, keepdims=True)
     near = (points[:, None] + ways).reshape(-1, dimension)
-    inside = np.array(atoms.inside(atoms.signs(near)) > 0).reshape(len(points), len(ways)).all(axis=1)
+    inside = np.array(atoms.inside(atoms.signs(near)) > 0).reshape(-1, len(ways)).all(axis=1)
+    for atom in range(atoms.count):
+        inside[inside] = _inside_along(atoms, atom, points[inside], ways)
     points = points[inside]
     signs = atoms.signs(points)
     signs[_away(atoms, points) < ON * atoms.size] = 0
-    every = np.ones(len(points), np.bool_)
+    every = np.array(atoms.inside(signs) > 0) | (signs == 0).any(axis=0)
     return _made(atoms, points, signs, every, every, 0)
+
+
+def _inside_along(atoms: SignAtoms, atom: int, points: Floats, ways: Floats) -> Flags:
+    """Whether on both sides of an atom all is inside, next to points: between parts that touch no sector is open."""
+    found = np.ones(len(points), np.bool_)
+    passing = np.flatnonzero(_away(atoms, points)[atom] < ON * atoms.size)
+    near = (points[passing, None] + ways).reshape(-1, points.shape[1])
+    for _ in range(ONTO):
+        value, slope = atoms.at(near)[atom, 0], atoms.at(near)[atom, 1:]
+        near = near - (value / (slope**2).sum(axis=0) * slope).T
+    signs = atoms.signs(near)
+    for side in (1, -1):
+        signs[atom] = side
+        found[passing] &= np.array(atoms.inside(signs) > 0).reshape(-1, len(ways)).all(axis=1)
+    return found
 
 
 def slid(atoms: SignAtoms, chosen: tuple[int, ...], points: Floats) -> Floats:

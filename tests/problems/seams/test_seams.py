@@ -75,6 +75,15 @@ def test_tangent_joints_are_proved_and_answered():
     assert abs(one / other - 1) < 1e-4
 
 
+def test_parts_that_touch_may_be_cut_and_put_together():
+    # Discs side by side touch in a point, next to which the weight has a root in it.
+    for other, radius, most in ((rsym.disc(2, (1, 0)), 2, 1e-10), (rsym.disc(1, (2, 0)), 1, 1e-4)):
+        both = rsym.disc(1) | other
+        cuts = [plane(side * (3 * x + 4 * y - 1) / 5) for side in (1, -1)]
+        found = rsym.modes((both & cuts[0]) | (both & cuts[1]), 1, cells=24).values[0]
+        assert abs(found / round_drum(radius) - 1) < most
+
+
 def test_two_cubes_are_a_box():
     cubes = rsym.box(1, 1, 1) | rsym.box(1, 1, 1).translate(1, 0, 0)
     box = rsym.box(2, 1, 1).translate(HALF, 0, 0)
