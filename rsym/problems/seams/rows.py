@@ -155,7 +155,7 @@ def rows_around(atoms: SignAtoms, points: Floats) -> SignRows:
     ways = np.random.default_rng(37).normal(size=(AROUND * (dimension - 1) ** 2, dimension))
     ways *= APART * atoms.size / np.linalg.norm(ways, axis=1, keepdims=True)
     near = (points[:, None] + ways).reshape(-1, dimension)
-    inside = np.array(atoms.inside(atoms.signs(near)) > 0).reshape(-1, len(ways)).all(axis=1)
+    inside: Flags = np.asarray((atoms.inside(atoms.signs(near)) > 0).reshape(-1, len(ways)).all(axis=1))
     for atom in range(atoms.count):
         inside[inside] = _inside_along(atoms, atom, points[inside], ways)
     points = points[inside]
