@@ -14,6 +14,7 @@ from scipy.sparse import linalg
 
 from rsym.arrays import Flags, Floats
 from rsym.errors import RsymError, warn
+from rsym.problems.systems.factors import DEPENDENT, BorderedFactors, Factors, factored
 from rsym.problems.systems.iterations import (
     MOST_STEPS,
     SEED,
@@ -42,7 +43,6 @@ UNSURE, SINGULAR = 1e-6, 1e-3
 # to this share, though not what they add up to.
 FAINT = 1e-4
 NOTHING = 1e-12  # of the energy, by its root, of what an answer is added to
-DEPENDENT = 1e-13  # of a function that others do not make up: of the square of its size
 # Where the answer is not sure still: functions of corners of a square whose coefficient jumps, on 32 cells of degree 5.
 MORE_DEPENDENT = 1e-11, 1e-9
 # Of a definite matrix, from which on some functions may be dependent. On the L of 64 cells of degree 6, of which 27 of
@@ -82,20 +82,6 @@ def scales(matrix: sparse.csr_matrix) -> Floats:
     return np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1)), 1.0)
 
 
-def factored(matrix: sparse.csr_matrix) -> linalg.SuperLU:
-    """The factors of a matrix that is symmetric in its pattern."""
-    try:
-        return linalg.splu(
-            matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-    except RuntimeError as error:
-        raise RsymError(
-            "the system has no answer, or more than one",
-            code="singular",
-            remedy="give a condition that fixes the solution: a value on some part, rsym.robin, or a term c*u",
-        ) from error
-
-
 def solve_system(
     matrix: sparse.csr_matrix,
     right: Floats,
@@ -105,9 +91,9 @@ def solve_system(
     symmetric: bool = True,
     last: int = 0,
     held: bool = False,
-    sifted: bool = False,
     size: Size | None = None,
     beside: Callable[[], float] = lambda: 0.0,
+    known: Factors | None = None,
 ) -> Solved:
     """The solution: by factors of a small system or an indefinite one, else by conjugate gradients.
 
@@ -115,9 +101,9 @@ def solve_system(
 
     last : of so many unknowns at the end those are 0 whose functions the others make up but for rounding.
     held : conditions fix the solution, so what is not sure is what functions share of it.
-    sifted : it is known that the others do not make up the last ones.
     size : of what numbers of all functions add up to: it tells what is not sure where no energy does.
     beside : asked for the root of the energy of what the solution is added to: what is not sure may be nothing to it.
+    known : the factors of the matrix as it is scaled; it is known that the others do not make up the last ones then.
     """
     scale = scales(matrix)
     scaled = (sparse.diags(scale) @ matrix @ sparse.diags(scale)).tocsr()
@@ -125,13 +111,15 @@ def solve_system(
     amount = norm(wanted)
     if amount == 0:
         return Solved(np.zeros_like(right), 0, 0.0)
+    bordered: BorderedFactors | None = None
     without = partial(_without, matrix, right, size, definite, dimension, symmetric, held, beside)
-    if last and not definite and not sifted:
+    if last and not definite and known is None:
         with suppress(RsymError):  # those before them may be no system by themselves
-            own = independent(scaled, last)
+            bordered = BorderedFactors.of(scaled, last)
+            own = bordered.independent()
             if not own.all():
-                return without(own)
-    direct = DIRECT if definite else DIRECT_UNEVEN
+                return without(own, scaled, bordered)
+    direct = DIRECT if definite and not last else RESCUED if definite else DIRECT_UNEVEN
     steps, stopped, rescued = 0, False, not definite or len(right) <= RESCUED[dimension]
     found: Floats | None = None
     condition: float | None = None
@@ -141,14 +129,17 @@ def solve_system(
     if found is None or (stopped and rescued):
         steps, stopped = 0, False
         of_scaled: Size | None = None if size is None else lambda values: size(scale * values)
-        found, condition, again = _by_factors(scaled, wanted, of_scaled, definite, dimension, last, held, beside)
+        if last and definite and known is None:
+            bordered = BorderedFactors.of(scaled, last)
+        factors = known or (bordered if definite else None) or factored(scaled)
+        found, condition, again = _by_factors(factors, scaled, wanted, of_scaled, definite, last, held, beside)
     doubtful = found is None or (condition is not None and condition > DOUBTFUL)
-    if doubtful and last and not steps and not sifted:
+    if doubtful and bordered is not None and not steps:
         for dependent in (DEPENDENT, *(MORE_DEPENDENT if found is None else ())):
-            own = independent(scaled, last, dependent)
+            own = bordered.independent(dependent)
             if not own.all():
                 with suppress(*([RsymError] if dependent < MORE_DEPENDENT[-1] else [])):
-                    return without(own)
+                    return without(own, scaled, bordered)
     if found is None:
         raise nearly_singular()
     residual = norm(wanted - scaled @ found) / amount
@@ -173,11 +164,11 @@ def _by_steps(
 
 
 def _by_factors(
+    factors: Factors,
     matrix: sparse.csr_matrix,
     right: Floats,
     size: Size | None,
     definite: bool,
-    dimension: int,
     last: int,
     held: bool,
     beside: Callable[[], float],
@@ -186,12 +177,6 @@ def _by_factors(
 
     And the condition of a definite matrix, nearly, and what answers other right sides.
     """
-    try:
-        factors = factored(matrix)
-    except RsymError:
-        if not last:
-            raise
-        return None, None, np.zeros_like
     found: Floats = factors.solve(right)
     correction = factors.solve(right - matrix @ found)
     # Of rounding alone, it is as large a share as the condition of the matrix makes it. Where functions are nearly made
@@ -207,11 +192,11 @@ def _by_factors(
             of_size = size(correction) / size(found)
             unsure = max(of_size, of_energy) if definite else of_size
         elif definite and (last or (held and unsure <= FAINT)):
-            if last:
+            if isinstance(factors, BorderedFactors):
                 first = slice(len(right) - last)
-                solve_system(
-                    matrix[first, first], right[first], definite=definite, dimension=dimension, held=held, beside=beside
-                )
+                known, some = factors.first, (matrix[first, first], right[first])
+                if _by_factors(known, *some, None, definite, 0, held, beside)[0] is None:
+                    raise nearly_singular()
             unsure = of_energy
     if not unsure <= UNSURE:
         return None, None, factors.solve
@@ -231,6 +216,8 @@ def _without(
     held: bool,
     beside: Callable[[], float],
     own: Flags,
+    scaled: sparse.csr_matrix,
+    bordered: BorderedFactors,
 ) -> Solved:
     """The solution where those of the last unknowns are 0 that are not independent."""
     kept = np.append(np.ones(len(right) - len(own), np.bool_), own)
@@ -248,7 +235,7 @@ def _without(
         symmetric=symmetric,
         last=int(own.sum()),
         held=held,
-        sifted=True,
+        known=bordered.without(own) if definite else factored(scaled[kept][:, kept]),
         beside=beside,
         size=None if size is None else lambda values: size(whole(values)),
     )
@@ -256,31 +243,6 @@ def _without(
     return replace(
         some, values=whole(some.values), again=None if again is None else lambda other: whole(again(other[kept]))
     )
-
-
-def independent(scaled: sparse.csr_matrix, last: int, dependent: float = DEPENDENT) -> Flags:
-    """Which of the last functions of a matrix, its diagonal 1, the others and those before do not make up.
-
-    dependent : so much of the square of the size is left of a function that they make up.
-
-    Examples
-    --------
-    >>> rows = np.array([[1, 0, 0.6, 0.6], [0, 1, 0.8, 0], [0.6, 0.8, 1, 0.36], [0.6, 0, 0.36, 1]])
-    >>> independent(sparse.csr_matrix(rows), 2).tolist()
-    [False, True]
-    """
-    first = scaled.shape[0] - last
-    beside = scaled[:first, first:].toarray()
-    rest = scaled[first:, first:].toarray() - scaled[first:, :first] @ factored(scaled[:first, :first]).solve(beside)
-    kept = np.zeros(last, np.bool_)
-    for _ in range(last):
-        pivots = np.where(kept, 0.0, np.abs(rest.diagonal()))
-        most = int(pivots.argmax())
-        if pivots[most] <= dependent:
-            break
-        kept[most] = True
-        rest = rest - np.outer(rest[:, most], rest[most]) / rest[most, most]
-    return kept
 
 
 def nearly_singular() -> RsymError:
@@ -319,7 +281,7 @@ def eigenpairs(
                 raise
         scale = sparse.diags(scales(stiffness - shift * mass))
         scaled = (scale @ (stiffness - shift * mass) @ scale).tocsr()
-        kept[len(kept) - last :] = independent(scaled, last, dependent)
+        kept[len(kept) - last :] = BorderedFactors.of(scaled, last).independent(dependent)
     vectors = np.zeros((len(kept), count))
     vectors[kept] = some
     return values, vectors
