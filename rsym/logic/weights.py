@@ -15,6 +15,7 @@ Source: of products of conjuncts V. L. Rvachev (1982).
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from fractions import Fraction
 from typing import NamedTuple
 
 import sympy as sp
@@ -32,12 +33,20 @@ from rsym.program.raising import raised
 
 
 class Joins(NamedTuple):
-    """How weights are put together: a product, or by equivalence, which keeps an order of normalisation."""
+    """How weights are put together: a product, or by equivalence, which keeps an order of normalisation.
+
+    soft : a distance about corners, within which the first order is given up for f*g/sqrt(f**2 + g**2 + soft**2),
+        which is as smooth as weights are.
+    """
 
     order: int | None = None
+    soft: float = 0.0
 
     def both(self, b: Builder, f: int, g: int) -> int:
         """What vanishes where one of two weights does; f*g/sqrt(f**2 + g**2) and the like keep an order."""
+        if self.soft:
+            squares = [b.mul(f, f), b.mul(g, g), b.const(Fraction(self.soft) ** 2)]
+            return b.div(b.mul(f, g), b.sqrt(b.add(b.add(*squares[:2]), squares[2])))
         return b.mul(f, g) if self.order is None else b.make("equivalence", f, g, b.const(even(self.order)))
 
     def either(self, b: Builder, f: int, g: int) -> int:
@@ -133,13 +142,15 @@ class Weights:
     x**2/2 + y**2/2 - 1/2
     """
 
-    def __init__(self, shape: Shape, form: SignForm, order: int = 1, length: sp.Expr = sp.S.One) -> None:
-        self.shape, self.form, self.order, self.length = shape, form, order, length
+    def __init__(
+        self, shape: Shape, form: SignForm, order: int = 1, length: sp.Expr = sp.S.One, soft: float = 0.0
+    ) -> None:
+        self.shape, self.form, self.order, self.length, self.soft = shape, form, order, length, soft
         self._leaves, self._factors = zip(*map(self._normalised, form.leaves), strict=True)
 
     def of(self, wanted: Collection[int]) -> sp.Expr:
         """The weight of some leaves; 1 of none."""
-        return self._raised(wanted, self._leaves, Joins(self.order))
+        return self._raised(wanted, self._leaves, Joins(self.order, self.soft))
 
     def factor(self, wanted: Collection[int]) -> sp.Expr:
         """One as smooth as can be, not normalised: the product of leaves; of many, which would be huge, the weight."""

@@ -51,7 +51,7 @@ def kept_to_boundary(shape: Shape, data: Mapping[Name, sp.Expr]) -> dict[Name, s
     if not doubtful:
         return dict(data)
     parts = parts_of(shape, data)
-    weight = parts.weights(1, None).of([leaf for leaves in parts.leaves.values() for leaf in leaves])
+    weight = parts.smooth_weights().of([leaf for leaves in parts.leaves.values() for leaf in leaves])
     size = float(np.diff(parts.box, axis=1).max())
     axes = [np.linspace(low, high, LATTICE + 1)[:-1] + (high - low) / (2.3 * LATTICE) for low, high in parts.box]
     places = np.stack([axis.ravel() for axis in np.meshgrid(*axes)], axis=1)

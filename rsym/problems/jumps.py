@@ -67,7 +67,7 @@ def with_jumps(
     groups: dict[sp.Expr, list[int]] = {}
     for leaf, value in flat.items():
         groups.setdefault(value, []).append(leaf)
-    weights = parts.weights(1, None)
+    weights = parts.smooth_weights()
     shared = inverse_distances([OnPart(value, weights.of(leaves)) for value, leaves in groups.items()], 1)
     near, angular = [], []
     points = np.array([jump.corner.point for jump in jumps])

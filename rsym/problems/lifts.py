@@ -86,10 +86,10 @@ def lift_on(
     """An expression with values on parts; the weights of some leaves have factors.
 
     Parts that meet are one cluster, with a function of its own (`_joined`); of several clusters it is the sum of
-    u_i/w_i over that of 1/w_i, w_i the normalised weight of a cluster: like the distance from it, so that u is nowhere
-    steeper than what lies between. The factors are 0 in points at most. Powers of the weights themselves, which they
-    stand for, have gradients beyond all bounds where their parts meet others. Only if `jumping` may values differ at
-    corners.
+    u_i/w_i over that of 1/w_i, w_i the smooth weight of a cluster: like the distance from it but at corners, so that u
+    is nowhere steeper than what lies between. The factors are 0 in points at most. Powers of the weights themselves,
+    which they stand for, have gradients beyond all bounds where their parts meet others. Only if `jumping` may values
+    differ at corners.
     """
     parts.require_all()
     own: dict[int, sp.Expr] = {leaf: values[name] for name, leaves in parts.leaves.items() for leaf in leaves}
@@ -121,7 +121,7 @@ def lift_on(
         found.append((function, [*leaves]))
     if count == 1:
         return found[0][0]
-    weights = parts.weights(1, None)
+    weights = parts.smooth_weights()
     pieces = []
     for function, chosen in found:
         more = dict.fromkeys(factors[leaf] for leaf in chosen if leaf in factors)

@@ -29,6 +29,9 @@ AGREEMENT = 1e-9  # of the size of data
 NEAR = 1e-6  # of the box: points that are one
 ASIDE, LOOSELY = 1e-8, 1e-3  # where data are undefined where they meet: of the box, and of their size
 UNIT = 1e-6  # how far the gradient of a normalised weight may be from 1 in length
+# Of half the box: how far from corners weights have no first order. Of a square with a round hole, u = 0 and 1, errors
+# on 48 cells are 4e-6 with none, 5e-8 for 0.1, 3e-9 for 0.25 and 0.5, 5e-8 for 1.
+SOFT = 0.25
 LATTICE = 5  # points along each axis that tell the size of data
 
 
@@ -110,12 +113,18 @@ class Parts:
                 )
 
     def weights(self, order: int, length: Any) -> Weights:
-        """What weighs them, normalised to an order with a length: by default the power of 2 next to half the box."""
-        if length is None:
-            unit = sp.Integer(2) ** round(math.log2(float(np.diff(self.box, axis=1).max()) / 2))
-        else:
-            unit = positive(length, "the length", self.shape.letters)
+        """What weighs them, normalised to an order with a length: by default half the box, nearly."""
+        unit = self._unit if length is None else positive(length, "the length", self.shape.letters)
         return Weights(self.shape, self.form, order, unit)
+
+    def smooth_weights(self) -> Weights:
+        """The same to the first order but near corners, where they are as smooth as leaves."""
+        return Weights(self.shape, self.form, 1, self._unit, SOFT * float(self._unit))
+
+    @property
+    def _unit(self) -> sp.Integer:
+        """The power of 2 next to half the box."""
+        return sp.Integer(2) ** round(math.log2(float(np.diff(self.box, axis=1).max()) / 2))
 
 
 def parts_of(shape: Shape, names: Iterable[Name]) -> Parts:
