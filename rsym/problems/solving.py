@@ -101,10 +101,10 @@ def solve(
     Warns
     -----
     RsymWarning
-        Where the tolerance is not reached, or the error on given cells is about 5 % or more; where a shape touches
-        itself, or conditions change at places near to each other, and cells do not resolve it; where a problem is so
-        near to one without a single answer, as ``-laplacian(u) - c*u = f`` for c near an eigenvalue, that next to
-        nothing of the answer is sure.
+        Where the tolerance is not reached, or the error on given cells is about 5 % or more, in the mean or in some
+        place; where a shape touches itself, or conditions change at places near to each other, and cells do not
+        resolve it; where a problem is so near to one without a single answer, as ``-laplacian(u) - c*u = f`` for c near
+        an eigenvalue, that next to nothing of the answer is sure.
 
     Examples
     --------
@@ -143,7 +143,7 @@ def answered(
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         functions = beside_at(problem, rule.points)
         made = solved(problem, rule, cells, degree, functions)
-        error = max(estimated(made, functions), made.report.unsure)
+        error = max(estimated(made, functions)[0], made.report.unsure)
         # What all points of a rule miss is in no difference of degrees.
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 

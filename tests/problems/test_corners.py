@@ -123,7 +123,7 @@ def test_the_report_tells_of_corners():
     assert (cusp.report.corners, cusp.report.left) == (0, 2)
     assert "2 corners without such functions" in str(cusp.report)
     kinked = rsym.Shape(rsym.conjunction(1 - x**2 - y**2, y + sp.Rational(1, 2) + sp.sqrt(x**2 + x**4)), (x, y))
-    found = rsym.solve(kinked, "-laplacian(u) = 1", 0, cells=16)
+    found = rsym.solve(kinked, "-laplacian(u) = 1", 0, cells=32)
     assert (found.report.corners, found.report.left, len(found.report.refused)) == (2, 0, 1)
     assert "kink" in str(found.report)
     assert 0 < found(0, 0.2) < 0.25

@@ -443,6 +443,13 @@ def test_a_peak_of_mass_or_force_is_in_the_estimate(monkeypatch):
     assert calm.report.estimate < 1e-3
 
 
+def test_layers_that_are_thinner_than_cells_are_told_with_their_place():
+    with pytest.warns(rsym.RsymWarning, match=r"of it at \("):
+        u = rsym.solve(rsym.disc(1), "-0.00001*laplacian(u) + u = 1", 0, cells=16)
+    assert u.report.estimate < 0.05
+    rsym.solve(rsym.disc(1), "-0.001*laplacian(u) + u = 1", 0, cells=16)
+
+
 @pytest.mark.slow
 def test_a_load_between_the_points_of_the_first_rule_is_found():
     u = rsym.solve(RIM, "-laplacian(u) = 4 + f", 0, letters={"f": peak}, tolerance=0.02)
