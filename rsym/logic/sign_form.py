@@ -61,7 +61,8 @@ class SignForm:
     caps : int
         How many of the last leaves are sides of the bounds.
     folds : tuple of int
-        The numbers of the leaves that only say which of others counts: no zero of omega is there but of these.
+        The numbers of the leaves that only say which of others counts, or nothing: no zero of omega is there but of
+        others.
     ends : tuple of int
         The numbers of the leaves that are ends of domains.
     """
@@ -84,6 +85,7 @@ class SignForm:
     def key(self) -> str:
         """Forms with the same key have the same leaves, gates and parameters: what is made for one serves the other."""
         chosen = {f"{k}": node for k, (_, node) in enumerate(self.parameters)}
+        chosen |= {f"fold {k}": self.leaves[k] for k in self.folds}  # no gate may have them
         digest = self.builder.program({"value": self.value, **chosen}).digest
         return f"{self.leaves}{self.gates}{self.ends or ''}{[operation for operation, _ in self.parameters]}{digest}"
 

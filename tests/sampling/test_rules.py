@@ -216,6 +216,36 @@ def test_threads_change_no_bit():
     assert np.array_equal(one.boundary.points, four.boundary.points)
 
 
+FOLDS = [
+    pytest.param(x - sp.Rational(1, 7), 0.3673469387755102, id="between sides of cells"),
+    pytest.param(x - sp.Rational(1, 2), 0.125, id="along them"),
+    pytest.param(x + 2 * y - 1, 0.5833333333333334, id="askew"),
+    pytest.param((x - sp.Rational(1, 2)) ** 2 + (y - sp.Rational(1, 2)) ** 2 - sp.Rational(1, 10), None, id="a circle"),
+]
+
+
+@pytest.mark.parametrize(("fold", "wanted"), FOLDS)
+@pytest.mark.parametrize("cells", [1, 4, 6])
+def test_rules_end_and_begin_on_folds_which_bound_nothing(fold, wanted, cells):
+    square = plane(conjunction(x, 1 - x, y, 1 - y))
+    rule = prepared(square, ((-0.01, 1.01), (-0.01, 1.01)), None, (fold,)).rule(cells, 6)
+    values = sp.lambdify((x, y), fold)(*rule.points.T) * np.ones(len(rule.points))
+    if wanted is None:  # where it is negative, a disc of the area pi/10, less pi/200 of the integral over all
+        wanted = 1 / 6 - 1 / 10 + math.pi / 200
+        assert abs(rule.weights[values < 0].sum() - math.pi / 10) < 1e-9
+    assert abs(rule.weights @ np.maximum(values, 0) - wanted) < 1e-12
+    assert abs(rule.weights.sum() - 1) < 1e-14
+    assert abs(rule.boundary.weights.sum() - 4) < 1e-14
+    assert set(rule.boundary.leaves) == set(rsym.quadrature(square, cells=cells, order=6).boundary.leaves)
+
+
+def test_rules_of_one_fold_are_not_those_of_another():
+    square = plane(conjunction(x, 1 - x, y, 1 - y))
+    for where in (sp.Rational(1, 7), sp.Rational(2, 7)):
+        rule = prepared(square, ((0, 1), (0, 1)), None, (x - where,)).rule(4, 6)
+        assert abs(rule.weights[rule.points[:, 0] < where].sum() - where) < 1e-14
+
+
 def test_refusals():
     disc = plane(1 - x**2 - y**2).named("disc")
     rule = rsym.quadrature(disc, cells=4)

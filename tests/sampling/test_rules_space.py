@@ -8,6 +8,7 @@ import sympy as sp
 
 import rsym
 from rsym import conjunction, disjunction, x, y, z
+from rsym.sampling.rules.quadrature import prepared
 
 
 def space(expression, **more):
@@ -105,3 +106,13 @@ def test_thin_tangent_and_turned_bodies_are_resolved_by_few_points(shape, volume
     assert abs(rule.weights.sum() / volume - 1) < relative
     assert abs(rule.boundary.weights.sum() / surface - 1) < relative
     assert len(rule.weights) < 5000 * order**3
+
+
+@pytest.mark.parametrize("fold", [z - sp.Rational(1, 7), x**2 + y**2 + z**2 - sp.Rational(1, 4)])
+def test_rules_end_and_begin_on_folds_which_bound_nothing(fold):
+    rule = prepared(space(1 - x**2 - y**2 - z**2), ((-1.01, 1.01),) * 3, None, (fold,)).rule(4, 8)
+    inner = sp.lambdify((x, y, z), fold)(*rule.points.T) < 0
+    wanted = math.pi / 6 if fold.has(x) else math.pi * (2 / 3 + 1 / 7 - 1 / 7**3 / 3)
+    assert abs(rule.weights[inner].sum() / wanted - 1) < 1e-8
+    assert abs(rule.weights.sum() / (4 * math.pi / 3) - 1) < 1e-8
+    assert abs(rule.boundary.weights.sum() / (4 * math.pi) - 1) < 1e-8

@@ -47,6 +47,10 @@ class BoundedFunctions(Protocol):
         """Which functions are ends of domains: of those that have one surface another one bounds."""
 
     @property
+    def folds(self) -> Any:
+        """Which functions bound nothing, but what is integrated is not smooth where they are zero."""
+
+    @property
     def faint(self) -> float:
         """A gradient up to this may be all of rounding."""
 

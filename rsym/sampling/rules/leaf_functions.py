@@ -9,6 +9,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+import sympy as sp
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.logic.branches import opened_leaf
@@ -20,6 +21,7 @@ from rsym.logic.stripping import unscaled as multiple
 from rsym.model.recent import recently, written
 from rsym.model.shape import Bounds, Shape
 from rsym.program.builder import Builder
+from rsym.program.lowering import lower_all
 from rsym.sampling.compiled import loop, step
 from rsym.sampling.kernels.mesher_kernels import (
     MesherKernels,
@@ -55,6 +57,8 @@ class LeafFunctions:
         A scaled value up to this is zero to rounding: it belongs to a distance of some last places of the bounds.
     domain_ends : (count,)
         Which leaves are ends of domains and poles: of those that have one surface another one bounds.
+    folds : (count,)
+        Which leaves bound nothing: rules end and begin where they are zero.
     faint : float
         A scaled gradient up to this may be all of rounding: so steep is a square where it is as large as some of that.
     """
@@ -72,6 +76,7 @@ class LeafFunctions:
         self._multiples = _multiples_of(form)
         self.walls = np.ones(self.count, np.bool_)
         self.domain_ends = domain_ends
+        self.folds = np.isin(np.arange(self.count), form.folds)
         self.tolerance = 8 * EPSILON * max(abs(end) for pair in bounds for end in pair)
         self.faint = FAINT * math.sqrt(self.tolerance / max(high - low for low, high in bounds))
         box = (*bounds, (-1.0, 1.0))[:3]
@@ -107,7 +112,8 @@ class LeafFunctions:
         kept = np.zeros(len(pieces.leaf), np.bool_)
         steepest = np.abs(pieces.gradient).max(axis=1).sum(axis=0)
         tolerance = self.tolerance * np.minimum(1.0, steepest)
-        judge_form(self.gates, tolerance, pieces.start, pieces.leaf, *self._multiples, value, signs, verdict, kept)
+        open_signs = pieces.start, pieces.leaf, *self._multiples, value, signs, verdict, kept
+        judge_form(self.gates, self.folds, tolerance, *open_signs)
         return signs, verdict, kept
 
     def enclose(self, leaf: Ints, lower: Floats, upper: Floats) -> tuple[Floats, Floats]:
@@ -135,8 +141,8 @@ class RuleForm:
 
 
 @recently(16, written)
-def rule_form(shape: Shape, capped: bool) -> RuleForm:
-    """The form of a shape, with its bounds as leaves behind the others."""
+def rule_form(shape: Shape, capped: bool, folds: tuple[sp.Expr, ...] = ()) -> RuleForm:
+    """The form of a shape, with its bounds as leaves behind the others, and then functions that are to be folds."""
     plain = surface_form(shape, *across(shape))
     plain.require_traced()
     walls = tuple(plain.walls)
@@ -144,8 +150,22 @@ def rule_form(shape: Shape, capped: bool) -> RuleForm:
     if capped:
         # Those across a plane are never met, and have no names.
         sides = len(plain.leaves) + np.minimum(np.arange(6), 2 * shape.dimension - 1)
-        return RuleForm(form.capped(), leaf_names(plain.capped(), shape), np.concatenate([owner, sides]), walls)
-    return RuleForm(form, leaf_names(plain, shape), owner, walls)
+        form, owner, plain = form.capped(), np.concatenate([owner, sides]), plain.capped()
+    return RuleForm(_folded(form, folds), leaf_names(plain, shape), np.append(owner, np.full(len(folds), -1)), walls)
+
+
+def _folded(form: SignForm, functions: tuple[sp.Expr, ...]) -> SignForm:
+    """The form with functions for leaves more, which are folds: no gate has them."""
+    if not functions:
+        return form
+    count, more = len(form.leaves), len(functions)
+    gates = [Gate(op, *(a + more * (a >= count) for a in operands)) for op, *operands in form.gates]
+    return replace(
+        form,
+        leaves=(*form.leaves, *lower_all(form.builder, functions)),
+        gates=tuple(gates or [Gate("min", 0, 0)]),
+        folds=tuple(range(count, count + more)),
+    )
 
 
 def _smooth(form: SignForm) -> tuple[SignForm, Ints]:
@@ -236,8 +256,8 @@ def _kernels(form: SignForm) -> Any:
 
 @loop
 def judge_form(
-    gates: Any, tolerance: Any, start: Any, leaf: Any, first: Any, turned: Any, value: Any, signs: Any, verdict: Any,
-    kept: Any,
+    gates: Any, folds: Any, tolerance: Any, start: Any, leaf: Any, first: Any, turned: Any, value: Any, signs: Any,
+    verdict: Any, kept: Any,
 ) -> None:  # fmt: skip
     """Signs of leaves from their bounds, the sign of the form, and which leaves of open sign that depends on."""
     leaves, count = signs.shape[1], len(gates)
@@ -265,8 +285,11 @@ def judge_form(
                 kept[pair] = wanted[leaf[pair]] and own[leaf[pair]] == 0
             # Whatever the others are, the form is the same.
             for k in range(leaves):
-                if own[k] == 0 and not wanted[k]:
+                if own[k] == 0 and not wanted[k] and not folds[k]:
                     own[k] = -turned[k]
+        for pair in range(start[piece], start[piece + 1]):
+            if folds[leaf[pair]] and own[leaf[pair]] == 0 and verdict[piece] >= 0:
+                kept[pair], verdict[piece] = True, 0
 
 
 @step

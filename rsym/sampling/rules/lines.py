@@ -69,7 +69,7 @@ class Lines:
             arguments: Any = (*about, functions.walls[self.leaf], *room)
             walk_parts(*arguments)
         else:
-            arguments = (functions.gates, functions.domain_ends, *about, self.past, signs, *room)
+            arguments = (functions.gates, functions.domain_ends, functions.folds, *about, self.past, signs, *room)
             walk_inside(*arguments)
         return _panels(panels, sizes[0]), _panels(edges, sizes[1])
 
@@ -91,6 +91,7 @@ class Lines:
         walk_upright(
             functions.gates,
             functions.domain_ends,
+            functions.folds,
             functions.tolerance,
             self.ends,
             kind,

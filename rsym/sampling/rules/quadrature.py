@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats, Ints
@@ -356,15 +357,20 @@ class Prepared:
         return [cells for cells in np.split(met, np.flatnonzero(np.diff(work[met].astype(np.int64))) + 1) if len(cells)]
 
 
-def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None) -> Prepared:
-    """A shape within the bounds given or stated, which cap it, else all of it."""
+def prepared(
+    shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, folds: tuple[sp.Expr, ...] = ()
+) -> Prepared:
+    """A shape within the bounds given or stated, which cap it, else all of it.
+
+    folds : functions of its coordinates and letters; where one is zero inside, rules end and begin.
+    """
     require_shape(shape)
     optional_package("numba", "a rule of integration")
     # Without numba the rest of the package can be imported.
     from rsym.sampling.rules.leaf_functions import LeafFunctions, rule_form
 
     known, whole = bounds_or_extent(shape, bounds, letters), bounds is None and shape.bounds is None
-    form = rule_form(shape, not whole or shape.box is not None)
+    form = rule_form(shape, not whole or shape.box is not None, folds)
     functions = LeafFunctions(shape, form.form, letters, known, np.isin(form.owner, form.walls))
     if whole and functions.sign(np.array([[low] for low, _ in known]))[0] > 0:
         raise _unbounded()

@@ -168,6 +168,7 @@ class BaseFunctions:
     dimension: int = 2
     faint: float = 0.0
     domain_ends: None = None
+    folds: None = None
 
     @property
     def tolerance(self) -> float:

@@ -4,7 +4,8 @@ A value within the tolerance at an end of a line is a zero there: the boundary m
 the piece whose inside it bounds, and only if the signs that leaves have beyond make the outside. Crossings closer to
 each other than some tolerances are one; of leaves that have one surface it is the first that bounds. Where some of
 them are ends of domains the gates decide: another one bounds if the form is negative with all others negative and the
-domains not ended, for then omega is zero there; else it ends.
+domains not ended, for then omega is zero there; else it ends. Folds bound nothing: intervals inside end and begin
+there.
 """
 
 from __future__ import annotations
@@ -91,8 +92,8 @@ def first_bounding(gates: Any, domains: Any, signs: Any, known: Any, here: Any) 
 
 @step
 def bounding(
-    gates: Any, domains: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any, past: Any,
-    signs: Any, known: Any, beyond: Any, here: Any,
+    gates: Any, domains: Any, folds: Any, first: int, last: int, tolerance: float, leaf: Any, upright: Any, value: Any,
+    past: Any, signs: Any, known: Any, beyond: Any, here: Any,
 ) -> int:  # fmt: skip
     """The leaf along which the boundary runs at an end of a line that is inside there; -1 if none.
 
@@ -104,7 +105,7 @@ def bounding(
     for k in range(first, last):
         if not upright[k] and abs(value[k]) <= tolerance:
             beyond[leaf[k]] = past[k] if past[k] != 0 else -signs[leaf[k]]
-            here[leaf[k]] = signs[leaf[k]] > 0
+            here[leaf[k]] = signs[leaf[k]] > 0 and not folds[leaf[k]]
     if form_sign(gates, beyond, known) <= 0:
         found = first_bounding(gates, domains, beyond, known, here)
     return found
@@ -131,13 +132,13 @@ def cross(start: int, count: int, tolerance: float, leaf: Any, root: Any, order:
 
 @loop
 def walk_inside(
-    gates: Any, domains: Any, tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any, upright: Any,
-    below: Any, above: Any, root: Any, past: Any, signs: Any, panels: Any, panel_numbers: Any, edges: Any,
-    edge_numbers: Any, sizes: Any, order: Any,
+    gates: Any, domains: Any, folds: Any, tolerance: float, ends: Any, weight: Any, begin: Any, leaf: Any,
+    upright: Any, below: Any, above: Any, root: Any, past: Any, signs: Any, panels: Any, panel_numbers: Any,
+    edges: Any, edge_numbers: Any, sizes: Any, order: Any,
 ) -> None:  # fmt: skip
     """The intervals inside and the crossings of the boundary on each line between `ends`.
 
-    Some leaves are ends of `domains`: of those that have one surface another one bounds.
+    Some leaves are ends of `domains`: of those that have one surface another one bounds; `folds` bound nothing.
     `signs` (lines, leaves) are those of leaves that do not matter; others are found and changed on the way.
     """
     known, beyond = np.empty(signs.shape[1] + len(gates), np.int8), np.empty(signs.shape[1], np.int8)
@@ -151,7 +152,7 @@ def walk_inside(
         inside = form_sign(gates, own, known) > 0
         if inside:
             found = bounding(
-                gates, domains, first, last, tolerance, leaf, upright, below, past[0], own, known, beyond, here
+                gates, domains, folds, first, last, tolerance, leaf, upright, below, past[0], own, known, beyond, here
             )
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, at, at, share, line, found)
@@ -165,17 +166,24 @@ def walk_inside(
                     beyond[k], here[k] = own[k], False
                 for j in range(number, following):
                     k = leaf[order[j]]
-                    here[k] = (own[k] > 0) == now
+                    here[k] = (own[k] > 0) == now and not folds[k]
                 found = first_bounding(gates, domains, beyond, known, here)
                 outer = note(edges, edge_numbers, outer, place, place, share, line, found)
                 if inside:
                     inner = note(panels, panel_numbers, inner, at, place, share, line, -1)
                 at = place
+            elif inside:
+                folded = False
+                for j in range(number, following):
+                    folded = folded or folds[leaf[order[j]]]
+                if folded and place > at:
+                    inner = note(panels, panel_numbers, inner, at, place, share, line, -1)
+                    at = place
             inside, number = now, following
         if inside:
             inner = note(panels, panel_numbers, inner, at, top, share, line, -1)
             found = bounding(
-                gates, domains, first, last, tolerance, leaf, upright, above, past[1], own, known, beyond, here
+                gates, domains, folds, first, last, tolerance, leaf, upright, above, past[1], own, known, beyond, here
             )
             if found >= 0:
                 outer = note(edges, edge_numbers, outer, top, top, share, line, found)
@@ -223,9 +231,9 @@ def walk_parts(
 
 @loop
 def walk_upright(
-    gates: Any, domains: Any, tolerance: float, ends: Any, kind: Any, weight: Any, begin: Any, leaf: Any, upright: Any,
-    below: Any, above: Any, root: Any, past: Any, left: Any, right: Any, edges: Any, edge_numbers: Any, sizes: Any,
-    order: Any,
+    gates: Any, domains: Any, folds: Any, tolerance: float, ends: Any, kind: Any, weight: Any, begin: Any, leaf: Any,
+    upright: Any, below: Any, above: Any, root: Any, past: Any, left: Any, right: Any, edges: Any, edge_numbers: Any,
+    sizes: Any, order: Any,
 ) -> None:  # fmt: skip
     """The intervals of lines on upright leaves where the inside is on one side only.
 
@@ -250,7 +258,8 @@ def walk_upright(
                     beyond[j], here[j] = left[line, j], False
                 for k in range(first, last):
                     j = leaf[k]
-                    here[j] = upright[k] and left[line, j] != right[line, j] and (left[line, j] > 0) == one
+                    stands = upright[k] and not folds[j]
+                    here[j] = stands and left[line, j] != right[line, j] and (left[line, j] > 0) == one
                 found = first_bounding(gates, domains, beyond, known, here)
                 outer = note(edges, edge_numbers, outer, at, end, weight[line], line, found)
             at, following = end, number + 1
