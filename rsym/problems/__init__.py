@@ -2,7 +2,7 @@
 
 A shape with named parts comes in, and conditions by the names of these; functions of the same coordinates go out.
 
-- `conditions`: conditions by name, brought to the leaves of the shape
+- `conditions`: conditions by name, brought to the leaves of the shape; `interfaces`: where coefficients jump
 - `meetings`: where parts of the boundary are, and where they meet; `parts`: that they are there and data agree
 - `interpolation`: values and normal derivatives on parts, by one function; `solution_structures`: functions with
   undetermined ones in them that meet conditions

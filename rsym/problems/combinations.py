@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from rsym.arrays import Floats
 from rsym.problems.splines.cardinals import multiplied
 from rsym.problems.splines.evaluation import jets
@@ -9,13 +11,16 @@ from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import BesideAt
 
 
-def weighted(splines: WebSplines, coefficients: Floats, weight: Floats, points: Floats, order: int) -> Floats:
-    """The derivatives (kinds, n) up to an order, at points, of the weight times the sum of active splines.
+def weighted(splines: WebSplines, coefficients: Floats, weights: Floats, points: Floats, order: int) -> Floats:
+    """The derivatives (kinds, n) up to an order, at points, of weights times sums of active splines, together.
 
-    weight : those of the weight (kinds, n).
+    coefficients, weights : (families, active), or (active,) of the only one, and the derivatives (families, kinds, n).
     """
-    phi = jets(splines, coefficients[None], points, order)[:, 0]
-    return multiplied(weight, phi, points.shape[1], order)
+    sums = jets(splines, np.atleast_2d(coefficients), points, order).transpose(1, 0, 2)
+    found = multiplied(weights[0], sums[0], points.shape[1], order)
+    for weight, phi in zip(weights[1:], sums[1:], strict=True):
+        found += multiplied(weight, phi, points.shape[1], order)
+    return found
 
 
 def add_beside(functions: BesideAt, numbers: Floats, found: Floats) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from typing import Any
 
@@ -27,6 +27,7 @@ from rsym.problems.splines.cardinals import derivatives
 from rsym.problems.splines.rules import splines_of
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import BesideAt, SystemBorder
+from rsym.problems.systems.families import Family, wider_sums, with_families
 from rsym.problems.systems.forms import (
     Assembler,
     CellPoints,
@@ -122,6 +123,30 @@ class Discretisation:
     def tests(self, points: Floats) -> Floats:
         """The weight and its derivatives (kinds, n)."""
         return self.problem.weight(self.problem.order)(points)
+
+    @cached_property
+    def families(self) -> tuple[Family, ...]:
+        """The splines times the weight, and those of kinks on interfaces."""
+
+        def tests(number: int, points: Floats) -> Floats:
+            found: Floats = self.problem.interfaces.weights(self.tests(points), points, self.problem.order)[number]
+            return found
+
+        plain = Family(self.tests, self.splines.extension)
+        count = len(self.problem.interfaces.functions)
+        sums = wider_sums(self.splines, count) if count else None
+        return (plain, *(Family(partial(tests, 1 + k), sums) for k in range(count)))
+
+    @property
+    def beside_count(self) -> int:
+        """How many functions there are beside the splines, those of kinks among them."""
+        return self.extra_count + sum(one.count for one in self.families[1:])
+
+    def parted(self, values: Floats) -> tuple[Floats, Floats]:
+        """The coefficients (families, active) of splines, and those of other functions, of the values of a system."""
+        counts = [self.families[0].count, self.extra_count, *(one.count for one in self.families[1:])]
+        own, others, *folds = np.split(values, np.cumsum(counts)[:-1])
+        return np.array([one.sums @ some for one, some in zip(self.families, [own, *folds], strict=True)]), others
 
     def extras(self, points: Floats) -> Floats:
         """The derivatives (kinds, functions, n) of the functions beside the splines."""
@@ -310,7 +335,7 @@ class Discretisation:
             for where, form in self.forms():
                 total = total - self.loads(where, applied_form(form, given))
         for number, flow in enumerate(self.problem.flows):
-            total[0, total.shape[1] - self.extra_count + number] += flow
+            total[0, self.families[0].count + number] += flow
         right: Floats = total[0]
         return right
 
@@ -330,15 +355,23 @@ class Discretisation:
 
     def loads(self, where: CellPoints, load: LoadAt, count: int = 1) -> Floats:
         """The loads (count, functions) of inner splines, then of the others."""
-        own = self.assembler.loads(where, load, self.tests, count) @ self.splines.extension
-        if not self.extra_count:
-            return np.asarray(own)
-        return np.concatenate((own, self.border(where).loads(load, count)), axis=1)
+        own, *folds = (one.loads(self.assembler, where, load, count) for one in self.families)
+        beside = [self.border(where).loads(load, count)] if self.extra_count else []
+        return np.concatenate((own, *beside, *folds), axis=1)
 
     def _bordered(
         self, own: sparse.csr_matrix, forms: Callable[[], list[tuple[CellPoints, FormAt]]], symmetric: bool
     ) -> sparse.csr_matrix:
         """With the rows and columns of the other functions."""
+        bordered = self._with_extras(own, forms, symmetric)
+        if len(self.families) == 1:
+            return bordered
+        border = self.border if self.extra_count else None
+        return with_families(bordered, self.families, self.assembler, forms(), border, symmetric)
+
+    def _with_extras(
+        self, own: sparse.csr_matrix, forms: Callable[[], list[tuple[CellPoints, FormAt]]], symmetric: bool
+    ) -> sparse.csr_matrix:
         count = self.extra_count
         if not count:
             return own

@@ -190,7 +190,8 @@ def beyond_data(problem: Problem, rule: Quadrature, values: Floats) -> float:
 
 
 def is_kinked(problem: Problem) -> bool:
-    """Whether a coefficient of the equation, or what is given on the boundary, is a formula that has kinks or jumps."""
+    """Whether what is given on the boundary has kinks or jumps, or coefficients more than is known of interfaces."""
     given = [value for one in problem.conditions if one is not None for value in one.values]
-    every = [*problem.equation.expressions.values(), *(value for value in given if isinstance(value, sp.Expr))]
-    return any(isinstance(part, KINKED) for value in every for part in sp.preorder_traversal(value))
+    every = [value for value in given if isinstance(value, sp.Expr)]
+    kinked = any(isinstance(part, KINKED) for value in every for part in sp.preorder_traversal(value))
+    return kinked or bool(problem.interfaces.doubts)

@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Flags, Floats
@@ -47,7 +48,7 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     near = None if problem.corners is None else problem.corners.functions.grading
     if problem.cuts:
         near = problem.switches.graded(near)
-    rule = rule_on(problem.shape, problem.named, cells, order, near)
+    rule = rule_on(problem.shape, problem.named, cells, order, near, problem.interfaces.functions)
     if problem.cuts:
         problem.switches.require_apart(rule.grid.size, cells)
         rule = problem.switches.relabelled(rule)
@@ -64,8 +65,18 @@ def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
     return rule
 
 
-def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near: Grading | None = None) -> Quadrature:
-    """The rule of a problem with conditions on parts of these names, its cells graded towards some points."""
+def rule_on(
+    shape: Shape,
+    names: Collection[Name],
+    cells: int,
+    order: int,
+    near: Grading | None = None,
+    folds: tuple[sp.Expr, ...] = (),
+) -> Quadrature:
+    """The rule of a problem with conditions on parts of these names, its cells graded towards some points.
+
+    folds : functions where which are zero data have kinks.
+    """
     box, given = None, shape.bounds
     with suppress(RsymError):
         found = extent(shape)
@@ -73,7 +84,7 @@ def rule_on(shape: Shape, names: Collection[Name], cells: int, order: int, near:
         inside = given is None or all(a <= c and d <= b for (a, b), (c, d) in zip(given, found, strict=True))
         box = found if inside else given
     made = prepared(shape, box, None)
-    rule = made.rule(cells, order, near)
+    rule = (prepared(shape, box, None, folds) if folds else made).rule(cells, order, near)
     if not len(rule.points):
         raise RsymError(
             "the shape has nothing inside", code="empty", remedy="change the letters, or the bounds, so that it has"

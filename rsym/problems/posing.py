@@ -16,6 +16,7 @@ from rsym.model.arguments import default
 from rsym.model.wording import listing
 from rsym.problems.conditions import assigned, resolved
 from rsym.problems.corners.choice import ON_AXIS
+from rsym.problems.interfaces import interfaces_of
 from rsym.problems.loops import holes
 from rsym.problems.pointwise import compiled
 from rsym.problems.problem import VALUED, Problem, with_corners
@@ -55,7 +56,8 @@ def posed(problem: Problem) -> Problem:
     every, cuts = placed_conditions(problem.shape, problem.form, conditions, problem.order)
     levels = holes(problem.shape, unknown, on_axis)
     flows = tuple(_flow(problem, [conditions[leaf] for leaf in hole]) for hole in levels)
-    return replace(problem, conditions=every, levels=levels, flows=flows, corners=None, cuts=cuts)
+    made = replace(problem, conditions=every, levels=levels, flows=flows, corners=None, cuts=cuts)
+    return replace(made, interfaces=interfaces_of(made.shape, [*made.equation.expressions.values()], made.order))
 
 
 def _with_divided(problem: Problem) -> list[BoundaryCondition | None]:

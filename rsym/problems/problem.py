@@ -31,6 +31,7 @@ from rsym.problems.corners.choice import CornerChoice, chosen_corners
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.corners.growth import Growth, growth_of, places_at
 from rsym.problems.equations import EllipticEquation
+from rsym.problems.interfaces import NO_INTERFACES, Interfaces
 from rsym.problems.left_behind import portable
 from rsym.problems.lifts import lift_of, lift_on
 from rsym.problems.like_slopes import of_like_slopes
@@ -91,7 +92,7 @@ class Problem:
     axis : the coordinate whose axis the shape is turned about, -1 in the plane and in space.
     levels : the leaves of the parts at unknown levels, one part after the other.
     flows : what flows through each of these parts, outwards.
-    corners : functions of corners; None if there are to be none.
+    corners, interfaces : functions of corners, None if there are to be none; where coefficients jump or have kinks.
     poisson : Poisson's ratio of a plate, where it matters.
     cuts : leaves on which conditions change; what holds outside stands after the conditions of all leaves.
     seams : the shape as it was typed, and leaves that belong to two parts.
@@ -110,6 +111,7 @@ class Problem:
     cuts: tuple[EdgeCut, ...] = ()
     seams: Seamless | None = None
     mean: float | None = None
+    interfaces: Interfaces = NO_INTERFACES
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again; functions that no pickle holds stay behind."""
@@ -360,9 +362,9 @@ def oriented(problem: Problem, points: Floats) -> Problem:
 def on_cells(problem: Problem, size: float) -> Problem:
     """The same problem where a form speaks of the size of cells."""
     equation = problem.equation
-    if not isinstance(equation, WeakForm) or not equation.sized:
-        return problem
-    return replace(problem, equation=sized(equation, size))
+    if isinstance(equation, WeakForm) and equation.sized:
+        return replace(problem, equation=sized(equation, size))
+    return problem
 
 
 def value_at(shape: Shape, value: Any, points: Floats) -> Floats:

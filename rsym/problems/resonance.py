@@ -89,11 +89,11 @@ class SampledFunctions:
     def jets(self, numbers: Floats, points: Floats, order: int) -> Floats:
         """The derivatives (kinds, n) of a function, by its numbers, at points."""
         problem, splines = self.discrete.problem, self.discrete.splines
-        inner = splines.extension.shape[1]
-        weight = problem.weight(order)(points)
-        found = weighted(splines, splines.extension @ numbers[:inner], weight, points, order)
+        coefficients, others = self.discrete.parted(numbers)
+        weights = problem.interfaces.weights(problem.weight(order)(points), points, order)
+        found = weighted(splines, coefficients, weights, points, order)
         functions = self._beside if points is self.where.points else beside_at(problem, points, order)
-        add_beside(functions, numbers[inner:], found)
+        add_beside(functions, others, found)
         return found
 
     def length(self, values: Floats) -> float:

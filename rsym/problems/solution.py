@@ -24,6 +24,7 @@ from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.guards import beyond_data, is_kinked, require_elliptic, require_level, solved_with_mean
+from rsym.problems.interfaces import NO_INTERFACES
 from rsym.problems.limits import with_limits
 from rsym.problems.places import inside, on_shape, rule_for
 from rsym.problems.pointwise import first_place
@@ -67,7 +68,8 @@ class Solution:
     splines : WebSplines
         The functions whose sum it is, times the weight.
     coefficients, others : arrays
-        Theirs, and those of the functions beside them, such as the levels of holes.
+        Theirs, (families, active) with those of kinks on interfaces, and those of other functions beside them, such as
+        the levels of holes.
     report : SolutionReport
         Unknowns, rule, system, estimate.
 
@@ -137,7 +139,8 @@ class Solution:
             some = slice(first, first + AT_ONCE)
             here = points[some]
             weight = with_limits(self.problem.weight(order), here, self.inside, self._size)
-            found[:, some] = weighted(self.splines, self.coefficients, weight, here, order)
+            weights = self.problem.interfaces.weights(weight, here, order)
+            found[:, some] = weighted(self.splines, self.coefficients, weights, here, order)
             lift = self.problem.lift(order)
             if lift is not None:
                 found[:, some] += with_limits(lift, here, self.inside, self._size)
@@ -278,7 +281,7 @@ class Solution:
         whole(degree, "the degree", 0)
         if self.report.eigenvalue is not None:
             raise RsymError("a mode has no formula of this kind", code="formula", remedy="solve has")
-        smooth = replace(self.problem, corners=None)
+        smooth = replace(self.problem, corners=None, interfaces=NO_INTERFACES)
         return printed(Discretisation(smooth, self.rule, self.report.degree), degree)
 
     def with_letters(self, values: Mapping[Any, float]) -> Solution:
@@ -326,14 +329,15 @@ def estimated(solution: Solution, functions: BesideAt | None = None) -> tuple[fl
     """How far one degree less is away, in the root of the mean square, as a share of the largest value; and at worst.
 
     Where errors are amplified, or data have kinks, also how far fewer cells are away, with a rule of their own: beside
-    corners without functions degrees differ by less than they are wrong. Of the least degree one more.
+    corners without functions degrees differ by less than they are wrong, and kinks on interfaces may be as wrong for
+    both. Of the least degree one more.
     """
     problem, rule, cells, highest = solution.problem, solution.rule, solution.report.cells, solution.report.degree
     degree = highest + (-1 if highest > problem.order else 1)
     other = solved(problem, rule, cells, degree, functions, measured=False)
     values, lower = (one.jets(rule.points, 0, functions)[0] for one in (solution, other))
     means = [values - lower]
-    if (kinked := is_kinked(problem)) or solution.report.amplified:
+    if (kinked := is_kinked(problem)) or solution.report.amplified or problem.interfaces.functions:
 
         def found(fewer: int) -> Solution:
             return solved(problem, rule_for(problem, fewer, rule.order - 1), fewer, highest, measured=False)
@@ -381,17 +385,15 @@ def solved(
             definite=problem.equation.definite and regular,
             dimension=problem.dimension,
             symmetric=problem.equation.symmetric,
-            last=discrete.extra_count,
+            last=discrete.beside_count,
             held=bool(problem.leaves(Dirichlet, Clamped)) and not problem.leaves(Robin),
             size=sampled.size,
             beside=lambda: discrete.lift_size,
         )
-    told = reported(rule, cells, degree, found).of_corners(problem.corners)
+    told = reported(rule, cells, degree, found).of_corners(problem.corners).of_interfaces(problem.interfaces)
     if measured and found.again is not None and not regular:
         amplification, rounding = resonance(sampled, found.again)
         if not rounding <= SINGULAR:
             raise nearly_singular()
         told = replace(told, amplification=amplification, rounding=max(rounding, found.residual))
-    own, others = np.split(found.values, [discrete.splines.extension.shape[1]])
-    made = Solution(problem, discrete.splines, discrete.splines.extension @ own, others, told, rule.order)
-    return with_rule(made, rule)
+    return with_rule(Solution(problem, discrete.splines, *discrete.parted(found.values), told, rule.order), rule)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from rsym.problems.corners.choice import CornerChoice
+from rsym.problems.interfaces import Interfaces
 from rsym.problems.refinement import Grade, observed_order
 from rsym.problems.systems.linear import Solved
 from rsym.reports.document import Document, Sentence, Tabular, numerical
@@ -51,6 +52,8 @@ class SolutionReport(Report):
     amplification: float | None = None
     rounding: float = 0.0
     stress: float | None = None
+    interfaces: int = 0
+    doubts: tuple[str, ...] = ()
 
     @property
     def observed_order(self) -> float | None:
@@ -134,6 +137,7 @@ class SolutionReport(Report):
                 "stress": self.stress,
                 "corners": self.corners,
                 "corners left": self.left + len(self.refused),
+                "interfaces": self.interfaces,
             },
         )
 
@@ -143,12 +147,19 @@ class SolutionReport(Report):
             return self
         return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
 
+    def of_interfaces(self, interfaces: Interfaces) -> SolutionReport:
+        """The same, knowing where coefficients jump or have kinks."""
+        return replace(self, interfaces=len(interfaces.functions), doubts=interfaces.doubts)
+
     def _of_corners(self) -> list[str]:
-        """Which corners have functions of their own, and which do not though solutions are not smooth there."""
+        """Which corners and kinks have functions of their own, and which do not though solutions are not smooth."""
         own = f"{plural(self.corners, 'corner')} of the shape: there are functions like solutions there."
         less = f"{plural(self.left, 'corner')} without such functions: splines alone are less accurate there."
         told = [line for line, count in ((own, self.corners), (less, self.left)) if count]
         told += [f"No such functions where corners are not known: {reason}." for reason in self.refused]
+        kinks = f"{plural(self.interfaces, 'interface')} of coefficients: functions have kinks like solutions there."
+        told += [kinks] if self.interfaces else []
+        told += [f"Solutions may be less smooth where coefficients jump or have kinks: {why}." for why in self.doubts]
         return told
 
 

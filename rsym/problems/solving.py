@@ -154,7 +154,7 @@ def answered(
         degree,
         tolerance,
         progress,
-        beside=problem.has_corners or is_kinked(problem),
+        beside=problem.has_corners or is_kinked(problem) or bool(problem.interfaces.functions),
         why=lambda made: made.report.nearness,
     )
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)

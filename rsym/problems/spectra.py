@@ -18,6 +18,7 @@ from rsym.language.stating import WrittenEquation
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.galerkin import Discretisation, at_values
+from rsym.problems.interfaces import interfaces_of
 from rsym.problems.left_behind import portable
 from rsym.problems.peaks import unseen, varies
 from rsym.problems.places import MORE_POINTS, rule_for
@@ -92,7 +93,8 @@ class Spectrum:
     def with_letters(self, values: Mapping[Any, float]) -> Spectrum:
         """The same for other letters, with the same cells and degree: nothing is compiled."""
         problem, report = self.modes[0].problem, self.modes[0].report
-        return _spectrum(posed_again(problem, values), report.cells, report.degree, len(self.values), self.mass)
+        problem = _with_kinks(posed_again(problem, values), self.mass)
+        return _spectrum(problem, report.cells, report.degree, len(self.values), self.mass)
 
 
 def modes(
@@ -152,6 +154,7 @@ def modes(
         # A model file states one equation for solve and for this.
         problem = replace(problem, equation=replace(problem.equation, load=sp.S.Zero))
     _require_homogeneous(problem)
+    problem = _with_kinks(problem, mass)
     problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
 
     def compared(cells: int, degree: int, made: Spectrum) -> float:
@@ -174,6 +177,12 @@ def modes(
 
     found, grades = refined(attempt, problem.dimension, degree, tolerance, progress)
     return replace(found, grades=grades)
+
+
+def _with_kinks(problem: Problem, mass: Any) -> Problem:
+    """The problem with the interfaces of its mass inside too."""
+    every = [*problem.equation.expressions.values(), *([mass] if isinstance(mass, sp.Expr) else [])]
+    return replace(problem, interfaces=interfaces_of(problem.shape, every, problem.order))
 
 
 def _missed(made: Spectrum) -> float:
@@ -206,17 +215,16 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
     grid = rule.grid
     free = not problem.leaves(Dirichlet, Clamped)
     unit = 1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order
-    values, vectors = eigenpairs(stiffness, masses, count, -unit if free else 0.0, unit, last=problem.extra_count)
-    inner = discrete.splines.extension.shape[1]
+    values, vectors = eigenpairs(stiffness, masses, count, -unit if free else 0.0, unit, last=discrete.beside_count)
     made = reported(rule, cells, degree, Solved(vectors[:, 0], 0, 0.0)).of_corners(problem.corners)
+    made = made.of_interfaces(problem.interfaces)
     found = []
     for value, vector in zip(values, vectors.T, strict=True):
         size = np.sqrt(abs(vector @ (masses @ vector)))
         one = Solution(
             problem,
             discrete.splines,
-            discrete.splines.extension @ vector[:inner] / size,
-            vector[inner:] / size,
+            *discrete.parted(vector / size),
             replace(made, eigenvalue=float(value)),
             order,
         )

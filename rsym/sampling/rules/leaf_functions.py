@@ -9,7 +9,6 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import sympy as sp
 
 from rsym.arrays import Flags, Floats, Ints
 from rsym.logic.branches import opened_leaf
@@ -141,8 +140,8 @@ class RuleForm:
 
 
 @recently(16, written)
-def rule_form(shape: Shape, capped: bool, folds: tuple[sp.Expr, ...] = ()) -> RuleForm:
-    """The form of a shape, with its bounds as leaves behind the others, and then functions that are to be folds."""
+def rule_form(shape: Shape, capped: bool, folds: tuple[Any, ...] = ()) -> RuleForm:
+    """The form of a shape, with its bounds as leaves behind the others, and then expressions that are to be folds."""
     plain = surface_form(shape, *across(shape))
     plain.require_traced()
     walls = tuple(plain.walls)
@@ -154,7 +153,7 @@ def rule_form(shape: Shape, capped: bool, folds: tuple[sp.Expr, ...] = ()) -> Ru
     return RuleForm(_folded(form, folds), leaf_names(plain, shape), np.append(owner, np.full(len(folds), -1)), walls)
 
 
-def _folded(form: SignForm, functions: tuple[sp.Expr, ...]) -> SignForm:
+def _folded(form: SignForm, functions: tuple[Any, ...]) -> SignForm:
     """The form with functions for leaves more, which are folds: no gate has them."""
     if not functions:
         return form

@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats, Ints
@@ -357,12 +356,10 @@ class Prepared:
         return [cells for cells in np.split(met, np.flatnonzero(np.diff(work[met].astype(np.int64))) + 1) if len(cells)]
 
 
-def prepared(
-    shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, folds: tuple[sp.Expr, ...] = ()
-) -> Prepared:
+def prepared(shape: Shape, bounds: Any, letters: Mapping[Any, float] | None, folds: tuple[Any, ...] = ()) -> Prepared:
     """A shape within the bounds given or stated, which cap it, else all of it.
 
-    folds : functions of its coordinates and letters; where one is zero inside, rules end and begin.
+    folds : expressions in its coordinates and letters; where one is zero inside, rules end and begin.
     """
     require_shape(shape)
     optional_package("numba", "a rule of integration")

@@ -1,0 +1,131 @@
+"""Families of functions that are splines of one grid times a weight: one for each kink beside the splines themselves.
+
+Of those of a kink sums are functions of a system, splines of larger cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
+
+import numpy as np
+from scipy import sparse
+
+from rsym.arrays import Floats
+from rsym.problems.splines.web import WebSplines
+from rsym.problems.systems.borders import SystemBorder
+from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Weight, transposed
+
+# So many cells wide are those of kinks. A disc of k = 10 in one of k = 1, errors on 24 cells of degree 4, 32 and 64 of
+# degree 6: of 2 3.4e-6, 6.0e-8 in 1.7 s, 5.9e-10 in 17 s; of 4 5.9e-6, 1.6e-7 in 1.4 s, 1.6e-9 in 5 s; of 1 1.1e-8 in
+# 10 s on 32.
+WIDER = 4
+# Functions of kinks, which are dense rows, beyond which their cells are wider still: four sides of a square on 96 cells
+# had 3100 and took 180 s.
+MOST = 600
+
+
+@dataclass(frozen=True)
+class Family:
+    """Splines times a weight, whose derivatives are `tests`; sums of the active ones are functions of a system.
+
+    sums : (active, functions)
+    """
+
+    tests: Weight
+    sums: sparse.csr_matrix
+
+    @property
+    def count(self) -> int:
+        """How many functions there are."""
+        return int(self.sums.shape[1])
+
+    def loads(self, assembler: Assembler, where: CellPoints, load: LoadAt, count: int) -> Floats:
+        """The loads (count, functions) of linear forms."""
+        return np.asarray(assembler.loads(where, load, self.tests, count) @ self.sums)
+
+    def with_other(
+        self, other: Family, assembler: Assembler, where: CellPoints, form: FormAt, symmetric: bool
+    ) -> sparse.csr_matrix:
+        """The matrix of a form, tests of this family, functions of another."""
+        same = other is self
+        trials = None if same else other.tests
+        made = assembler.matrix(where, form, self.tests, trials, symmetric=symmetric and same)
+        return (self.sums.T @ made @ other.sums).tocsr()
+
+
+def wider_sums(splines: WebSplines, families: int, times: int = WIDER) -> sparse.csr_matrix:
+    """The splines of cells so many times as wide, or more for many families, as sums of the active ones of a grid.
+
+    Examples
+    --------
+    >>> from rsym.problems.splines.web import web_splines
+    >>> splines = web_splines(np.zeros(1), 1.0, (4,), 1, np.arange(4), np.arange(4))
+    >>> wider_sums(splines, 1, 2).toarray()
+    array([[1. , 0. , 0. ],
+           [0.5, 0.5, 0. ],
+           [0. , 1. , 0. ],
+           [0. , 0.5, 0.5],
+           [0. , 0. , 1. ]])
+    """
+    counts, degree = np.array(splines.counts), splines.degree
+    while times < counts.max() and families * np.prod(-(-counts // times) + degree) > MOST:
+        times += 1
+    whole = reduce(lambda one, other: sparse.kron(one, other, format="csr"), (_along(n, degree, times) for n in counts))
+    sums = whole[splines.active]
+    used = np.bincount(sums[splines.inner].indices, minlength=sums.shape[1]) > 0
+    return sums[:, used].tocsr()
+
+
+def _along(count: int, degree: int, times: int) -> sparse.csr_matrix:
+    """Along an axis: (splines, wider splines)."""
+    mask = np.array([1.0])
+    for _ in range(degree + 1):
+        mask = np.convolve(mask, np.ones(times))
+    mask = mask / times**degree
+    wider = -(-count // times) + degree
+    found = sparse.lil_matrix((count + degree, wider))
+    for number in range(wider):
+        first = (number - degree) * times + degree
+        some = np.arange(max(first, 0), min(first + len(mask), count + degree))
+        found[some, number] = mask[some - first]
+    return found.tocsr()
+
+
+def with_families(
+    bordered: sparse.csr_matrix,
+    families: Sequence[Family],
+    assembler: Assembler,
+    forms: Sequence[tuple[CellPoints, FormAt]],
+    border: Callable[[CellPoints], SystemBorder] | None,
+    symmetric: bool,
+) -> sparse.csr_matrix:
+    """A matrix of the first family, and of functions beside it if they have a `border`, with those of the others."""
+    first, *folds = families
+
+    def among(tests: Family, functions: Family) -> sparse.csr_matrix:
+        return reduce(add, (tests.with_other(functions, assembler, *part, symmetric) for part in forms))
+
+    def beside(tests: Family, turned: bool) -> list[sparse.csr_matrix]:
+        """Of tests of a family and functions beside, or `turned` the other way round."""
+        if border is None:
+            return []
+        made = [
+            replace(border(where), tests=tests.tests).columns(
+                transposed(form) if turned else form, symmetric=False, among=False
+            )
+            for where, form in forms
+        ]
+        return [tests.sums.T @ reduce(add, made)[: tests.sums.shape[0]]]
+
+    right, below = [], []
+    for fold in folds:
+        right.append(sparse.vstack([among(first, fold), *(one.T for one in beside(fold, turned=True))]))
+        below.append(right[-1].T if symmetric else sparse.hstack([among(fold, first), *beside(fold, turned=False)]))
+    own: list[list[sparse.csr_matrix]] = []
+    for number, fold in enumerate(folds):
+        own.append([own[k][number].T if symmetric and k < number else among(fold, folds[k]) for k in range(len(folds))])
+    rows = [[bordered, *right], *([left, *row] for left, row in zip(below, own, strict=True))]
+    return sparse.bmat(rows, format="csr")
