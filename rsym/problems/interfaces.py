@@ -33,11 +33,15 @@ from rsym.sampling.windows import bounds_or_extent
 
 STEPS = (sp.floor, sp.ceiling)
 PLACES = {2: 96, 3: 24}  # cells along the longest side of a box in which functions are looked at for their signs
-NEWTON = 8  # steps from the middle of a cell, which is near already, to where two functions are zero
+# Steps of Newton's method from the middle of a cell to where two functions are zero, by so many cells at most: where
+# they touch a step halves the way, and their values are its square.
+NEWTON, FAR = 20, 4
+FLAT = 8.0  # cells, over the longest side: of the usual gradient on an interface there is less next to a node
 ON, BESIDE = 1e-9, 1e-6  # of the size of a shape: rounding, and how far away the inside is looked for
 ASKEW = 1e-6  # the cosine between a boundary and what meets it at a right angle, for rounded formulas
 
 WAYS, SEED = 32, 5  # in which it is looked for
+PRINTED = 4  # digits of places
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,12 +154,12 @@ def kinks_in(expressions: Sequence[sp.Expr]) -> list[sp.Expr]:
 
 
 class _Cells:
-    """The cells of a lattice whose middles are inside, and the signs of atoms there."""
+    """The cells of a lattice whose middles are inside, and of atoms where they are `open` and which have `crossed`."""
 
     def __init__(self, shape: Shape, box: Bounds, atoms: SignAtoms) -> None:
         low, high = np.array(box, float).T
         self._shape, self._functions, self._size = shape, atoms.functions, float((high - low).max())
-        step = self._size / PLACES[shape.dimension]
+        self._step = step = self._size / PLACES[shape.dimension]
         axes = [np.arange(a + step / 2, b, step) for a, b in zip(low, high, strict=True)]
         middles = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, shape.dimension)
         self._form, self._inside = shape_form(shape), inside_kernel(shape)
@@ -179,14 +183,22 @@ class _Cells:
         leaves = range(count, count + len(self._form.leaves))
         for number, one in enumerate(inner):
             start = self._middles[self.open[one]]
+            steep = np.linalg.norm(self._pair(one, one, start)[1][0], axis=1)
+            flat = steep <= FLAT * self._step / self._size * np.median(steep)
+            self._tell(found, "an interface has a node, or nearly, near", start[flat])
             for other in (*inner[number + 1 :], *leaves):
                 points, cosines = self._meeting(one, other, start)
-                wrong = np.ones(len(points), np.bool_) if other < count else cosines > ASKEW
-                if wrong.any():
-                    place = ", ".join(short(float(value)) for value in points[np.argmax(wrong)])
-                    what = "interfaces meet" if other < count else "an interface runs askew into the boundary"
-                    found[f"{what} at ({place})"] = None
+                if other < count:
+                    self._tell(found, "interfaces meet at", points)
+                else:
+                    self._tell(found, "an interface runs askew into the boundary at", points[cosines > ASKEW])
         return [*found]
+
+    def _tell(self, found: dict[str, None], what: str, points: Floats) -> None:
+        """Add what there is at the first of some points, if there are any."""
+        if len(points):
+            place = np.round(points[0] / self._size, PRINTED) * self._size + 0.0
+            found[f"{what} ({', '.join(short(float(value)) for value in place)})"] = None
 
     def _meeting(self, one: int, other: int, points: Floats) -> tuple[Floats, Floats]:
         """Points of the shape where two functions are zero, and there the cosine between their gradients."""
@@ -197,14 +209,20 @@ class _Cells:
                 det = squares[:, 0, 0] * squares[:, 1, 1] - squares[:, 0, 1] ** 2
                 inverse = np.array([[squares[:, 1, 1], -squares[:, 0, 1]], [-squares[:, 0, 1], squares[:, 0, 0]]]) / det
                 step = np.einsum("abi,bi,aik->ik", inverse, values, slopes)
-            points = points - step
-            points = points[np.isfinite(points).all(axis=1)]
+                near = np.linalg.norm(step, axis=1) <= FAR * self._step  # false of none
+            # Where they touch what is left of rounding is no step.
+            there = self._zero(values, slopes)
+            points = np.where(there[:, None], points, points - step)[near | there]
         values, slopes = self._pair(one, other, points)
         lengths = np.linalg.norm(slopes, axis=2)
-        met = (np.abs(values) <= ON * self._size * lengths).all(axis=0) & self._on_shape(points)
+        met = self._zero(values, slopes) & self._on_shape(points)
         cosines = np.abs(np.einsum("ik,ik->i", slopes[0], slopes[1])) / lengths.prod(axis=0)
         order = np.lexsort(points[met].T)
         return points[met][order], cosines[met][order]
+
+    def _zero(self, values: Floats, slopes: Floats) -> Flags:
+        found: Flags = np.less_equal(np.abs(values), ON * self._size * np.linalg.norm(slopes, axis=2)).all(axis=0)
+        return found
 
     def _pair(self, one: int, other: int, points: Floats) -> tuple[Floats, Floats]:
         """The values (2, n) and gradients (2, n, dimension) of two functions."""

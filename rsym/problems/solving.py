@@ -55,7 +55,8 @@ def solve(
         In the plane or in space, bounded; its parts have names, by ``shape.named(name)``.
     equation : text or SymPy
         ``"-laplacian(u) = 2"``, ``"-div(k*grad(u)) + c*u = f"``, ``"-laplacian(u) + dot([1, 0], grad(u)) = 0"``, or a
-        SymPy equation in ``sympy.Function("u")(x, y)``. Text is read by a parser of its own and never run.
+        SymPy equation in ``sympy.Function("u")(x, y)``. Text is read by a parser of its own and never run. Coefficients
+        may jump or have kinks, by Piecewise, sign, Heaviside, Abs, Max or Min: solutions have kinks there then.
     conditions : mapping, or one condition for all of the boundary
         Names of parts to a value, an expression, ``rsym.robin(c, h)``, ``rsym.neumann(h)``, ``rsym.constant(flow)``;
         the key ``...`` is the rest; where parts lie in one another that of the smallest named holds. Where nothing is

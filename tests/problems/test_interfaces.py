@@ -165,6 +165,36 @@ def test_modes_of_two_layers(masses):
     assert abs(found.values[0] / exact - 1) < 2e-7
 
 
+def test_a_plate_under_a_load_that_jumps():
+    """A clamped disc, loaded within half of its radius: third derivatives have kinks."""
+    r = sp.Symbol("r", positive=True)
+    a, b, c, d, e, f = sp.symbols("a b c d e f")
+    inner = r**4 / 64 + a + b * r**2
+    outer = c + d * r**2 + (e + f * r**2) * sp.log(r)
+    jumps = [sp.diff(inner - outer, r, order).subs(r, sp.Rational(1, 2)) for order in range(4)]
+    found = sp.solve([*jumps, outer.subs(r, 1), sp.diff(outer, r).subs(r, 1)], [a, b, c, d, e, f])
+    radius = sp.sqrt(x**2 + y**2)
+    within = x**2 + y**2 < sp.Rational(1, 4)
+    exact = sp.Piecewise((inner.subs(found).subs(r, radius), within), (outer.subs(found).subs(r, radius), True))
+    load = sp.Piecewise((1, within), (0, True))
+    u = rsym.solve(rsym.disc(1), "bilaplacian(u) = q", {...: rsym.clamped()}, letters={"q": load}, cells=12)
+    assert error(u, exact) < u.report.estimate < 1e-4
+
+
+def test_a_ball_in_a_ball_about_an_axis():
+    a, b, c, radius = *sp.symbols("a b c"), sp.Rational(1, 2)
+    jumps = [(a - b) * radius - c / radius**2, 10 * a - b + 2 * c / radius**3]
+    found = sp.solve([*jumps, b + c - 1], [a, b, c])
+    away = x**2 + y**2
+    exact = sp.Piecewise(
+        (found[a] * y, away < radius**2), (y * (found[b] + found[c] / away ** sp.Rational(3, 2)), True)
+    )
+    half = rsym.disc(1).named("rim") & rsym.half_plane((1, 0), 0)
+    k = sp.Piecewise((10, away < radius**2), (1, True))
+    u = rsym.solve(half, "-div(k*grad(u)) = 0", {"rim": y}, axis=y, letters={"k": k}, cells=16)
+    assert error(u, exact) < u.report.estimate < 1e-3
+
+
 def test_layers_in_space():
     sides = [rsym.Shape(side, (x, y, z), bounds=(*BOX, (0, 1))) for side in (y, 1 - y, z, 1 - z)]
     left, right = (rsym.Shape(side, (x, y, z), bounds=(*BOX, (0, 1))) for side in (x, 1 - x))
@@ -179,6 +209,10 @@ def test_what_makes_solutions_less_smooth_is_told():
     assert interfaces_of(plate, [corner]).doubts == ("interfaces meet at (0, 0)",)
     assert "askew" in interfaces_of(plate, [sp.sign(x + 2 * y)]).doubts[0]
     assert "floor" in interfaces_of(plate, [sp.floor(3 * x)]).doubts[0]
+    node = sp.sign(y**2 - x**2 * (x + sp.Rational(1, 3)))
+    assert interfaces_of(plate, [node]).doubts[0].startswith("an interface has a node, or nearly, near (-0.00")
+    touching = sp.sign(x**2 + (y - sp.Rational(1, 4)) ** 2 - sp.Rational(1, 16))
+    assert interfaces_of(plate, [touching]).doubts == ("an interface runs askew into the boundary at (0, 0.5)",)
     assert interfaces_of(plate, [sp.sign(3 * x)]).doubts == ()
     assert interfaces_of(plate, [sp.Abs(x + 1), sp.Max(x, 1)]).functions == ()
     u = rsym.solve(plate, "-div(k*grad(u)) = 1", 0, letters={"k": corner}, cells=8)
