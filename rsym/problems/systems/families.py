@@ -18,13 +18,10 @@ from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import SystemBorder
 from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Weight, transposed
 
-# So many cells wide are those of kinks. A disc of k = 10 in one of k = 1, errors on 24 cells of degree 4, 32 and 64 of
-# degree 6: of 2 3.4e-6, 6.0e-8 in 1.7 s, 5.9e-10 in 17 s; of 4 5.9e-6, 1.6e-7 in 1.4 s, 1.6e-9 in 5 s; of 1 1.1e-8 in
-# 10 s on 32.
-WIDER = 4
-# Functions of kinks, which are dense rows, beyond which their cells are wider still: four sides of a square on 96 cells
-# had 3100 and took 180 s.
-MOST = 600
+# So many cells wide are those of kinks, wider where they would be more than so many, which are dense rows. A disc of
+# k = 10 in one of k = 1, errors on 24 cells of degree 4, 32 and 64 of degree 6: 2 cells wide 3.4e-6, 6.0e-8 in 1.7 s,
+# 5.9e-10 in 17 s; 4 wide 5.9e-6, 1.6e-7 in 1.4 s, 1.6e-9 in 5 s; 1 wide 1.1e-8 in 10 s on 32.
+WIDER, MOST = 2, 400
 
 
 @dataclass(frozen=True)
