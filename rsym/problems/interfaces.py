@@ -8,6 +8,7 @@ sharply, or run askew into the boundary, solutions are not smooth on either side
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -41,7 +42,7 @@ ON, BESIDE = 1e-9, 1e-6  # of the size of a shape: rounding, and how far away th
 ASKEW = 1e-6  # the cosine between a boundary and what meets it at a right angle, for rounded formulas
 
 WAYS, SEED = 32, 5  # in which it is looked for
-PRINTED = 4  # digits of places
+PRINTED = 4  # digits of places, of the size of a shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +198,7 @@ class _Cells:
     def _tell(self, found: dict[str, None], what: str, points: Floats) -> None:
         """Add what there is at the first of some points, if there are any."""
         if len(points):
-            place = np.round(points[0] / self._size, PRINTED) * self._size + 0.0
+            place = np.round(points[0], PRINTED - math.floor(math.log10(self._size))) + 0.0
             found[f"{what} ({', '.join(short(float(value)) for value in place)})"] = None
 
     def _meeting(self, one: int, other: int, points: Floats) -> tuple[Floats, Floats]:
