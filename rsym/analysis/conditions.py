@@ -86,9 +86,9 @@ def dirichlet(value: Any) -> Dirichlet:
     Parameters
     ----------
     value : number, expression, Shape or function
-        In coordinates and letters; of a shape it is omega. Formulas are made of expressions and shapes alone, and
-        `solve` and `interpolate` make one of the values on the boundary: they refuse a function as a value or slope,
-        as a flux or a coefficient `solve` takes one.
+        In coordinates and letters; of a shape it is omega. A function takes arrays of coordinates of points of the
+        part; `solve` and `elasticity` put polynomials in its place, and state how far these are off. Where a formula
+        is asked for, as `interpolate` and `solution_structure` do, it is refused.
 
     Raises
     ------

@@ -212,6 +212,6 @@ def formula(value: Any, shape: Shape, what: str) -> tuple[sp.Expr, Letters]:
         raise RsymError(
             f"{what} is a function, of which there is no formula",
             code="formula",
-            remedy="write it as an expression, such as sympy.sin(x) + y; functions may be coefficients and fluxes",
+            remedy="write it as an expression, such as sympy.sin(x) + y; solve takes functions too",
         )
     return number(value, what), Letters({})

@@ -16,6 +16,7 @@ from rsym.model.arguments import default
 from rsym.model.wording import listing
 from rsym.problems.conditions import assigned, resolved
 from rsym.problems.corners.choice import ON_AXIS
+from rsym.problems.given_functions import as_formulas
 from rsym.problems.interfaces import interfaces_of
 from rsym.problems.loops import holes
 from rsym.problems.pointwise import compiled
@@ -30,6 +31,9 @@ PLACES = np.array([-0.83, -0.41, -0.07, 0.0, 0.23, 0.57, 0.91])
 
 def posed(problem: Problem) -> Problem:
     """The problem with the conditions of its leaves, of its shape's letters; without functions of corners."""
+    given = problem.named if problem.given is None else problem.given
+    named, off = as_formulas(problem.shape, given)
+    problem = replace(problem, named=named, given=given, off=off)
     conditions = _with_divided(problem)
     on_axis = _on_axis(problem)
     names = assigned(problem.shape, problem.named) if on_axis else ()

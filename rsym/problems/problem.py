@@ -97,6 +97,7 @@ class Problem:
     cuts : leaves on which conditions change; what holds outside stands after the conditions of all leaves.
     seams : the shape as it was typed, and leaves that belong to two parts.
     mean : of the solution, where nothing else fixes its level.
+    given : the conditions whose values may be functions; formulas stand for these in `named`, `off` by that share.
     """
 
     shape: Shape
@@ -112,16 +113,15 @@ class Problem:
     seams: Seamless | None = None
     mean: float | None = None
     interfaces: Interfaces = NO_INTERFACES
+    given: Mapping[Name, BoundaryCondition] | None = None
+    off: float = 0.0
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again; functions that no pickle holds stay behind."""
         state = {name: self.__dict__[name] for name in self.__dataclass_fields__}
-        functions = portable(self.equation.functions, "")
-        return state | {
-            "equation": replace(self.equation, functions=functions),
-            "named": portable(self.named, "the condition"),
-            "conditions": portable(self.conditions, "the condition"),
-        }
+        equation = replace(self.equation, functions=portable(self.equation.functions, ""))
+        held = {name: portable(state[name], "the condition") for name in ("named", "given", "conditions")}
+        return state | {"equation": equation} | held
 
     def __deepcopy__(self, memo: Any) -> Problem:
         """Itself: nothing of it changes."""

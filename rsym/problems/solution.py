@@ -391,6 +391,7 @@ def solved(
             beside=lambda: discrete.lift_size,
         )
     told = reported(rule, cells, degree, found).of_corners(problem.corners).of_interfaces(problem.interfaces)
+    told = replace(told, off=problem.off)
     if measured and found.again is not None and not regular:
         amplification, rounding = resonance(sampled, found.again)
         if not rounding <= SINGULAR:

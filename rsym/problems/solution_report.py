@@ -54,6 +54,7 @@ class SolutionReport(Report):
     stress: float | None = None
     interfaces: int = 0
     doubts: tuple[str, ...] = ()
+    off: float = 0.0
 
     @property
     def observed_order(self) -> float | None:
@@ -62,9 +63,9 @@ class SolutionReport(Report):
 
     @property
     def unsure(self) -> float:
-        """The share of the answer that rounding, or steps that came to their end, may have left open."""
+        """The share of the answer that rounding, steps that came to their end, or functions given left open."""
         left = self.residual * math.sqrt(self.condition or 1) if self.stopped else 0.0
-        return max(left, self.rounding)
+        return max(left, self.rounding, self.off)
 
     @property
     def amplified(self) -> bool:
@@ -102,6 +103,8 @@ class SolutionReport(Report):
             told.append(f"The order observed, from {last}, is {self.observed_order:.2g}.")
         if self.unresolved:
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
+        if self.off:
+            told.append(f"Functions given on the boundary are met to about {short(self.off)} of the largest value.")
         told += self._of_corners()
         if self.stress is not None:
             told.insert(

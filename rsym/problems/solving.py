@@ -10,7 +10,7 @@ from typing import Any
 
 import sympy as sp
 
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.language.equations import UNKNOWN
 from rsym.model.arguments import coordinate, default, number, whole
 from rsym.model.letters import Letter
@@ -27,6 +27,7 @@ from rsym.problems.problem import Problem, beside_at, with_corners
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
 from rsym.problems.seams.seamless import Seamless, seamless
 from rsym.problems.solution import Solution, estimated, solved, solved_alone, with_rule
+from rsym.reports.numbers import short
 from rsym.sampling.progress import Progress
 from rsym.sampling.windows import relettered
 
@@ -58,10 +59,10 @@ def solve(
         SymPy equation in ``sympy.Function("u")(x, y)``. Text is read by a parser of its own and never run. Coefficients
         may jump or have kinks, by Piecewise, sign, Heaviside, Abs, Max or Min: solutions have kinks there then.
     conditions : mapping, or one condition for all of the boundary
-        Names of parts to a value, an expression, ``rsym.robin(c, h)``, ``rsym.neumann(h)``, ``rsym.constant(flow)``;
-        the key ``...`` is the rest; where parts lie in one another that of the smallest named holds. Where nothing is
-        said nothing flows. Plates, "bilaplacian(u) = q/D", have ``rsym.clamped()`` and ``rsym.supported()``; where
-        nothing is said they are free.
+        Names of parts to a value, an expression, a function (`dirichlet`), ``rsym.robin(c, h)``, ``rsym.neumann(h)``,
+        ``rsym.constant(flow)``; the key ``...`` is the rest; where parts lie in one another that of the smallest named
+        holds. Where nothing is said nothing flows. Plates, "bilaplacian(u) = q/D", have ``rsym.clamped()`` and
+        ``rsym.supported()``; where nothing is said they are free.
     degree : int
         Of the splines, 1 to 6.
     cells : int, optional
@@ -148,18 +149,29 @@ def answered(
         # What all points of a rule miss is in no difference of degrees.
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 
-    wanted = TOLERANCE if tolerance is None else tolerance
+    wanted = reachable(tolerance, problem.off)
     found, grades = refined(
         attempt,
         problem.dimension,
         degree,
-        tolerance,
+        wanted,
         progress,
         beside=problem.has_corners or is_kinked(problem) or bool(problem.interfaces.functions),
         why=lambda made: made.report.nearness,
     )
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)
     return with_rule(replace(found, report=told), found.rule)
+
+
+def reachable(tolerance: float | None, off: float) -> float:
+    """The tolerance, or how far formulas are off that stand for functions on the boundary, where that is more."""
+    wanted = TOLERANCE if tolerance is None else tolerance
+    if off > wanted:
+        warn(
+            f"functions given on the boundary are met to about {short(off)} of the largest value, above the tolerance "
+            f"of {short(wanted)}; give expressions"
+        )
+    return max(wanted, off)
 
 
 def checked_degree(degree: Any) -> int:

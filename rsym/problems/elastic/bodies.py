@@ -20,6 +20,7 @@ from rsym.model.wording import listing
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
 from rsym.problems.equations import equation_of
+from rsym.problems.given_functions import as_formulas
 from rsym.problems.left_behind import portable
 from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.pointwise import PointFormulas, compiled, first_place, with_derivatives
@@ -120,8 +121,7 @@ class ElasticBody:
     def problems(self) -> tuple[Problem, ...]:
         """Of each displacement the problem whose weight and lift are its own; the equation in it is not asked."""
         equation, found = equation_of("-laplacian(u) = 0", self.shape.coordinates), []
-        for axis, held in enumerate(self.held):
-            given = {name: self._given(name, axis) for name in held}
+        for axis, (held, (given, _)) in enumerate(zip(self.held, self._given, strict=True)):
             if any(condition.value != 0 for condition in given.values()):
                 for name, leaves in held.items():
                     self._require_whole(name, leaves, axis)
@@ -148,7 +148,22 @@ class ElasticBody:
                 remedy="name the sides apart",
             )
 
-    def _given(self, name: Name, axis: int) -> Dirichlet:
+    @cached_property
+    def _given(self) -> tuple[tuple[Mapping[Name, Dirichlet], float], ...]:
+        """Along each coordinate the displacements, and how far formulas are off that stand for functions."""
+        found = []
+        for axis, held in enumerate(self.held):
+            own = {name: self._displacement(name, axis) for name in held}
+            made, off = as_formulas(self.shape, {**self.named, **own})
+            found.append(({name: one for name in held if isinstance(one := made[name], Dirichlet)}, off))
+        return tuple(found)
+
+    @property
+    def off(self) -> float:
+        """How far formulas are off that stand for functions on the boundary, as a share of their largest values."""
+        return max(off for _, off in self._given)
+
+    def _displacement(self, name: Name, axis: int) -> Dirichlet:
         condition = self.named[name]
         if isinstance(condition, Displaced):
             return dirichlet({self._axis(one): value for one, value in condition.components}[axis])

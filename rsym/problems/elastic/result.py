@@ -192,7 +192,7 @@ def in_equilibrium(body: ElasticBody, rule: Quadrature, cells: int, degree: int)
     system = Equilibrium(body, rule, degree)
     system.require_held()
     found = solve_system(system.matrix, system.right, definite=True, dimension=2)
-    told = reported(rule, cells, degree, found)
+    told = replace(reported(rule, cells, degree, found), off=body.off)
     splines = system.discrete[0].splines
     coefficients = np.ascontiguousarray((splines.extension @ found.values.reshape(2, -1).T).T)
     made = ElasticSolution(body, splines, coefficients, told, degree + MORE_POINTS)

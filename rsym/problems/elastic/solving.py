@@ -22,9 +22,9 @@ from rsym.problems.elastic.result import ElasticSolution, in_equilibrium
 from rsym.problems.elastic.supports import EXAMPLES, Pressure, Traction, as_support, vector
 from rsym.problems.peaks import of_problem, unseen, varies
 from rsym.problems.places import MORE_POINTS, rule_on
-from rsym.problems.refinement import FEWER, TOLERANCE, on_fewer, refined
+from rsym.problems.refinement import FEWER, on_fewer, refined
 from rsym.problems.solution import SURE
-from rsym.problems.solving import checked_degree, lettered
+from rsym.problems.solving import checked_degree, lettered, reachable
 from rsym.reports.numbers import short
 from rsym.sampling.progress import Progress
 from rsym.sampling.rules.quadrature import Quadrature
@@ -138,8 +138,8 @@ def elasticity(
         error = (made.report.stress if goal == STRESSES else made.report.estimate) or 0.0
         return made, made.report.unknowns, error if error > wanted else max(error, _missed(made))
 
-    wanted = TOLERANCE if tolerance is None else tolerance
-    found, grades = refined(attempt, 2, degree, tolerance, progress)
+    wanted = reachable(tolerance, body.off)
+    found, grades = refined(attempt, 2, degree, wanted, progress)
     last, known = grades[-1].estimate, found.report
     both = (known.estimate, last) if goal == STRESSES else (last, known.stress)
     told = replace(found, report=replace(known, grades=grades, estimate=both[0], stress=both[1]))

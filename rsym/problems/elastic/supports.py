@@ -61,8 +61,8 @@ def displacement(components: Mapping[Any, Any]) -> Displaced:
     Parameters
     ----------
     components : mapping
-        Coordinates, by name or symbol, to displacements along them: numbers, expressions or shapes. Along a coordinate
-        that is left out the part is free to move. Among conditions the mapping alone means it.
+        Coordinates, by name or symbol, to displacements along them: numbers, expressions, shapes or functions. Along a
+        coordinate that is left out the part is free to move. Among conditions the mapping alone means it.
 
     Raises
     ------
