@@ -18,7 +18,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `plates`: what bending needs; `galerkin`: the system of a problem; `guards`: what problems and solutions have to keep;
   `refinement`: until errors are small; `peaks`: of data, which a rule misses; `combinations`: sums of the functions of
   a system; `resonance`: what small changes become
-- `boundary_data`: values that are rough inside; `given_functions`: of functions; `jumps`: values that jump;
+- `sources`: with poles; `boundary_data`: values rough inside; `given_functions`: of functions; `jumps`: that jump;
   `shares`: functions that are 1 on some leaves and 0 on others; `fluxes`: what flows through parts of the boundary
 - `solution`, `solution_report`: what comes out, and how it was found; `printed`: as an expression; `extremes`: its
   least value; `limits`: derivatives where a formula has none; `left_behind`: what no pickle of it holds

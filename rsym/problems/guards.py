@@ -24,6 +24,7 @@ from rsym.problems.equations import EllipticEquation
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.pointwise import first_place, formulas
 from rsym.problems.problem import VALUED, Problem
+from rsym.problems.sources import poles_in
 from rsym.problems.systems.forms import Some
 from rsym.problems.systems.linear import Solved, solve_system
 from rsym.program.lowering import lower_all
@@ -190,8 +191,13 @@ def beyond_data(problem: Problem, rule: Quadrature, values: Floats) -> float:
 
 
 def is_kinked(problem: Problem) -> bool:
-    """Whether what is given on the boundary has kinks or jumps, or coefficients more than is known of interfaces."""
+    """Whether what is given on the boundary has kinks or jumps, or coefficients more than is known of interfaces.
+
+    Or a source has poles, of which a rule finds no more on cells of the same size.
+    """
     given = [value for one in problem.conditions if one is not None for value in one.values]
     every = [value for value in given if isinstance(value, sp.Expr)]
-    kinked = any(isinstance(part, KINKED) for value in every for part in sp.preorder_traversal(value))
-    return kinked or bool(problem.interfaces.doubts)
+    if problem.interfaces.doubts or any(isinstance(part, KINKED) for one in every for part in sp.preorder_traversal(one)):
+        return True
+    sources = [problem.equation.expressions[name] for name in problem.equation.load_places.values()]
+    return any(poles_in(problem.shape, one, (*problem.equation.functions,)) for one in sources)

@@ -21,6 +21,7 @@ from rsym.problems.interfaces import interfaces_of
 from rsym.problems.loops import holes
 from rsym.problems.pointwise import compiled
 from rsym.problems.problem import VALUED, Problem, with_corners
+from rsym.problems.sources import require_integrable
 from rsym.problems.switches import placed_conditions
 from rsym.program.lowering import lower
 from rsym.sampling.windows import relettered
@@ -34,6 +35,9 @@ def posed(problem: Problem) -> Problem:
     given = problem.named if problem.given is None else problem.given
     named, off = as_formulas(problem.shape, given)
     problem = replace(problem, named=named, given=given, off=off)
+    sources = [problem.equation.expressions[name] for name in problem.equation.load_places.values()]
+    for source in sources:
+        require_integrable(problem.shape, source, "the right side", problem.equation.functions)
     conditions = _with_divided(problem)
     on_axis = _on_axis(problem)
     names = assigned(problem.shape, problem.named) if on_axis else ()

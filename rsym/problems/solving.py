@@ -97,8 +97,8 @@ def solve(
     Raises
     ------
     RsymError
-        For an equation that is not elliptic, not linear or of an order that is not offered, an unknown part, a problem
-        without a single answer, too few cells.
+        For an equation that is not elliptic, not linear or of an order that is not offered, a source with a pole inside
+        that has no integral, an unknown part, a problem without a single answer, too few cells.
 
     Warns
     -----
@@ -166,12 +166,13 @@ def answered(
 def reachable(tolerance: float | None, off: float) -> float:
     """The tolerance, or how far formulas are off that stand for functions on the boundary, where that is more."""
     wanted = TOLERANCE if tolerance is None else tolerance
-    if off > wanted:
-        warn(
-            f"functions given on the boundary are met to about {short(off)} of the largest value, above the tolerance "
-            f"of {short(wanted)}; give expressions"
-        )
-    return max(wanted, off)
+    if off == 0 or off <= wanted:
+        return wanted
+    warn(
+        f"functions given on the boundary are met to about {short(off)} of the largest value, above the tolerance "
+        f"of {short(wanted)}; give expressions"
+    )
+    return off
 
 
 def checked_degree(degree: Any) -> int:

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
+import sympy as sp
 
 from rsym.analysis.conditions import condition_value
 from rsym.arrays import Floats
@@ -25,6 +26,7 @@ from rsym.problems.places import MORE_POINTS, rule_on
 from rsym.problems.refinement import FEWER, on_fewer, refined
 from rsym.problems.solution import SURE
 from rsym.problems.solving import checked_degree, lettered, reachable
+from rsym.problems.sources import require_integrable
 from rsym.reports.numbers import short
 from rsym.sampling.progress import Progress
 from rsym.sampling.rules.quadrature import Quadrature
@@ -120,6 +122,9 @@ def elasticity(
     material = condition_value(young, "Young's modulus"), condition_value(poisson, "Poisson's ratio")
     supports = given_by_name(shape, conditions, as_support)
     body = ElasticBody(shape, supports, *material, vector(loads, "a force on a volume"), plane, seams)
+    for load in body.loads:
+        if isinstance(load, sp.Expr):
+            require_integrable(shape, load, "the force on a volume")
     if cells is not None:
         whole(cells, "the cells", 1)
         if not estimate:
