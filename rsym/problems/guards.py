@@ -197,7 +197,8 @@ def is_kinked(problem: Problem) -> bool:
     """
     given = [value for one in problem.conditions if one is not None for value in one.values]
     every = [value for value in given if isinstance(value, sp.Expr)]
-    if problem.interfaces.doubts or any(isinstance(part, KINKED) for one in every for part in sp.preorder_traversal(one)):
+    kinked = any(isinstance(part, KINKED) for value in every for part in sp.preorder_traversal(value))
+    if kinked or problem.interfaces.doubts:
         return True
     sources = [problem.equation.expressions[name] for name in problem.equation.load_places.values()]
     return any(poles_in(problem.shape, one, (*problem.equation.functions,)) for one in sources)

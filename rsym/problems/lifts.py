@@ -23,12 +23,14 @@ from rsym.logic.weights import MOST_FACTORS, weight
 from rsym.model.nodes import RealNode
 from rsym.model.shape import Shape
 from rsym.model.symbols import postorder, symbols_of
+from rsym.model.wording import listing
 from rsym.problems.boundary_data import kept_to_boundary
 from rsym.problems.conditions import Name
 from rsym.problems.interpolation import interpolate
 from rsym.problems.jumps import jumps_of, with_jumps
 from rsym.problems.parts import Parts, formula, parts_of
 from rsym.program.raising import raised
+from rsym.reports.words import plural
 
 MOST_SIDES = 6  # leaves, each of which is a part of its own: straight ones make smooth lifts, their products do not
 DEGREE = 3  # of Taylor's polynomials of differences of data
@@ -39,7 +41,14 @@ ENTIRE = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh)
 ANALYTIC = (sp.log, sp.tan, sp.tanh, sp.atan, sp.asin, sp.acos, sp.asinh, sp.acosh, sp.atanh, sp.erf)
 
 
-def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping: bool = False) -> sp.Expr:
+class Lift(NamedTuple):
+    """A function with the values of u on the boundary, and how it was found, for reports."""
+
+    expression: sp.Expr
+    how: tuple[str, ...] = ()
+
+
+def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping: bool = False) -> Lift:
     """An expression that is u, and has the slopes of u, on the parts where these are given; 0 where they are 0.
 
     Of one value for all of these parts it is that; else, without slopes, `lift_on`. Where parts meet at an angle it is
@@ -57,10 +66,11 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping:
     >>> import rsym
     >>> from rsym import x
     >>> ring = rsym.disc(2).named("rim") - rsym.disc(1).named("bore")
-    >>> lift_of(ring, {"rim": rsym.dirichlet(x), ...: rsym.neumann()})
+    >>> lift_of(ring, {"rim": rsym.dirichlet(x), ...: rsym.neumann()}).expression
     x
     """
     data: dict[Name, tuple[sp.Expr, ...]] = {}
+    how: tuple[str, ...] = ()
     for name, condition in conditions.items():
         if isinstance(condition, UnknownLevel):
             data[name] = (sp.S.Zero,)
@@ -68,21 +78,26 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping:
             data[name] = tuple(_expression(shape, value, name) for value in condition.values)
     if all(len(given) == 1 for given in data.values()) and any(symbols_of(given[0]) for given in data.values()):
         kept = kept_to_boundary(shape, {name: given[0] for name, given in data.items()})
+        rough = ["the rest" if name is ... else repr(name) for name, value in kept.items() if data[name][0] != value]
+        how = (
+            (f"Values on {listing(rough)} are kept to the boundary: their formulas are rough inside.",) if rough else ()
+        )
         data = {name: (value,) for name, value in kept.items()}
     values = {given[0] for given in data.values()}
     if len(values) < 2:
         value = values.pop() if values else sp.S.Zero
         level = not set(symbols_of(value)) & set(shape.coordinates)
         if all(len(given) == 1 or (level and given[1] == 0) for given in data.values()):
-            return value
+            return Lift(value, how)
     if any(len(given) > 1 for given in data.values()):
-        return interpolate(shape, data).expression
-    return lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {}, jumping)
+        return Lift(interpolate(shape, data).expression, ("Values and slopes go inside by distances from parts.",))
+    made = lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {}, jumping)
+    return Lift(made.expression, how + made.how)
 
 
 def lift_on(
     parts: Parts, values: Mapping[Name, sp.Expr], factors: Mapping[int, sp.Expr], jumping: bool = False
-) -> sp.Expr:
+) -> Lift:
     """An expression with values on parts; the weights of some leaves have factors.
 
     Parts that meet are one cluster, with a function of its own (`_joined`); of several clusters it is the sum of
@@ -94,15 +109,17 @@ def lift_on(
     parts.require_all()
     own: dict[int, sp.Expr] = {leaf: values[name] for name, leaves in parts.leaves.items() for leaf in leaves}
     if not own:
-        return sp.S.Zero
+        return Lift(sp.S.Zero)
     if jumping and (jumps := jumps_of(parts, own)):
         given = {name: value for name, value in values.items() if name in parts.leaves}
         parts.require_agreement(given, [jump.corner.point for jump in jumps])
         function, left = with_jumps(parts, own, jumps)
+        jump = (f"Values jump at {plural(len(jumps), 'corner')}: near to it they go as the angle between its edges.",)
         if all(value == 0 for value in left.values()):
-            return function
+            return Lift(function, jump)
         single = replace(parts, leaves={f"leaf {leaf}": (leaf,) for leaf in left})
-        return function + lift_on(single, {f"leaf {leaf}": value for leaf, value in left.items()}, factors)
+        rest = lift_on(single, {f"leaf {leaf}": value for leaf, value in left.items()}, factors)
+        return Lift(function + rest.expression, jump + rest.how)
     parts.require_agreement({name: value for name, value in values.items() if name in parts.leaves})
     alike: dict[object, list[int]] = {}
     for leaf, value in own.items():
@@ -114,19 +131,23 @@ def lift_on(
         one, other = np.array(met, np.int64).reshape(-1, 2).T
         links = coo_matrix((np.ones(len(met)), (one, other)), shape=links.shape)
     count, cluster = connected_components(links, directed=False)
-    found = []
+    found, how = [], list[str]()
     for number in range(count):
         leaves = {leaf: own[leaf] for k in np.flatnonzero(cluster == number) for leaf in sides[k].leaves}
-        function = _joined(parts, leaves, factors) if len({*leaves.values()}) > 1 else next(iter(leaves.values()))
-        found.append((function, [*leaves]))
+        made = Lift(next(iter(leaves.values())))
+        if len({*leaves.values()}) > 1:
+            made = _joined(parts, leaves, factors)
+        how += made.how
+        found.append((made.expression, [*leaves]))
     if count == 1:
-        return found[0][0]
+        return Lift(found[0][0], tuple(how))
     weights = parts.smooth_weights()
     pieces = []
     for function, chosen in found:
         more = dict.fromkeys(factors[leaf] for leaf in chosen if leaf in factors)
         pieces.append(OnPart(function, sp.Mul(*more) * weights.of(chosen)))
-    return inverse_distances(pieces, 1)
+    how.append(f"Between {count} groups of parts that do not meet values go by normalised weights.")
+    return Lift(inverse_distances(pieces, 1), tuple(how))
 
 
 def _sides(parts: Parts, own: Mapping[int, sp.Expr], groups: Sequence[Sequence[int]]) -> tuple[list[_Side], Parts]:
@@ -146,7 +167,7 @@ def _meeting(parts: Parts, sides: Sequence[_Side], pair: tuple[int, int]) -> Flo
     return parts.meeting(sides[pair[0]].name, sides[pair[1]].name)[0]
 
 
-def _joined(parts: Parts, own: Mapping[int, sp.Expr], factors: Mapping[int, sp.Expr]) -> sp.Expr:
+def _joined(parts: Parts, own: Mapping[int, sp.Expr], factors: Mapping[int, sp.Expr]) -> Lift:
     """A function with values on leaves that meet, `by_pairs` of those that do."""
     alike: dict[object, list[int]] = {}
     for leaf, value in own.items():
@@ -154,15 +175,21 @@ def _joined(parts: Parts, own: Mapping[int, sp.Expr], factors: Mapping[int, sp.E
     sides, parts = _sides(parts, own, list(alike.values()))
     pieces = [OnPart(side.value, _weight(parts, side, factors)) for side in sides]
     made: list[tuple[tuple[int, ...], sp.Expr]] = []
+    rough = 0
     for one, other in combinations(range(len(sides)), 2):
         points = _meeting(parts, sides, (one, other))
         if len(points):
             both = sides[one], sides[other]
             switched = any(leaf in factors for side in both for leaf in side.leaves)
             corner = None if switched else _corner(parts, *both, points)
+            rough += corner is None and both[0].value != both[1].value and not switched
             made.append(((one, other), joined_values(pieces[one], pieces[other], parts.shape.coordinates, corner)))
     alone = {*range(len(sides))} - {number for pair, _ in made for number in pair}
-    return by_pairs(_of_usual_size(parts, pieces), [*made, *(((k,), pieces[k].function) for k in sorted(alone))])
+    how = [f"Values of {plural(len(sides), 'side')} that meet go inside by pairs."]
+    if rough:
+        how.append(f"Of {rough} of these pairs by shares of distances alone: there splines are less accurate.")
+    function = by_pairs(_of_usual_size(parts, pieces), [*made, *(((k,), pieces[k].function) for k in sorted(alone))])
+    return Lift(function, tuple(how))
 
 
 class _Side(NamedTuple):

@@ -48,7 +48,7 @@ def of_problem(problem: Problem) -> Data | None:
     flows = {leaf: problem.conditions[leaf] for leaf in problem.leaves(Robin)}
     on_boundary = {k: (one.coefficient, one.flux) for k, one in flows.items() if isinstance(one, Robin)}
     on_boundary = {leaf: pair for leaf, pair in on_boundary.items() if varies(*pair)}
-    lift = problem.lift(0) if varies(sp.sympify(problem.lift_expression)) else None
+    lift = problem.lift(0) if varies(sp.sympify(problem.lifted.expression)) else None
     if not (inside or on_boundary or lift is not None):
         return None
 

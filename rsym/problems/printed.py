@@ -38,7 +38,7 @@ def printed(discrete: Discretisation, degree: int) -> sp.Expr:
     found = scale * np.linalg.solve(scale[:, None] * matrix * scale, scale * right)
     b = discrete.problem.form.builder
     beside = [raised(b.nodes, node) for node in discrete.problem.extra_nodes.values()]
-    total = discrete.problem.lift_expression + raised(b.nodes, discrete.problem.weight_node) * basis.expression(found)
+    total = discrete.problem.lifted.expression + raised(b.nodes, discrete.problem.weight_node) * basis.expression(found)
     return sp.Add(total, *(float(a) * one for a, one in zip(found[size - len(beside) :], beside, strict=True)))
 
 

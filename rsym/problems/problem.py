@@ -33,7 +33,7 @@ from rsym.problems.corners.growth import Growth, growth_of, places_at
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.interfaces import NO_INTERFACES, Interfaces
 from rsym.problems.left_behind import portable
-from rsym.problems.lifts import lift_of, lift_on
+from rsym.problems.lifts import Lift, lift_of, lift_on
 from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.parts import Parts, formula
 from rsym.problems.pointwise import PointFormulas, at_letters, formulas, values_of, with_derivatives
@@ -186,7 +186,7 @@ class Problem:
         return self.with_derivatives("weight", order, lambda: {"": self.weight_node})
 
     @cached_property
-    def lift_expression(self) -> sp.Expr:
+    def lifted(self) -> Lift:
         """A function with the values of u on the boundary."""
         if self.cuts:
             return self._lift_on_leaves()
@@ -203,7 +203,7 @@ class Problem:
         )
         return self.dimension == 2 and self.order == 1 and alike
 
-    def _lift_on_leaves(self) -> sp.Expr:
+    def _lift_on_leaves(self) -> Lift:
         """That of values on leaves of the split form, where no name tells these apart."""
         own: dict[sp.Expr, list[int]] = {}
         for leaf in self.leaves(Dirichlet, UnknownLevel):
@@ -226,9 +226,9 @@ class Problem:
 
     def lift(self, order: int) -> PointFormulas | None:
         """Its derivatives; None where it is 0."""
-        if self.lift_expression == 0:
+        if (function := self.lifted.expression) == 0:
             return None
-        return self.with_derivatives("lift", order, lambda: {"": lower(self.form.builder, self.lift_expression)})
+        return self.with_derivatives("lift", order, lambda: {"": lower(self.form.builder, function)})
 
     @cached_property
     def extra_nodes(self) -> dict[str, int]:

@@ -43,7 +43,7 @@ def share_of(problem: Problem, own: tuple[int, ...]) -> PointFormulas | None:
         return None
     parts = _parts(problem, {"own": [*own], "others": others})
     made = lift_on(parts, {"own": sp.S.One, "others": sp.S.Zero}, {}, problem.alike)
-    return problem.with_derivatives(f"share {own}", 1, lambda: {"": lower(problem.form.builder, made)})
+    return problem.with_derivatives(f"share {own}", 1, lambda: {"": lower(problem.form.builder, made.expression)})
 
 
 def _parts(problem: Problem, named: dict[Name, list[int]]) -> Parts:

@@ -390,8 +390,7 @@ def solved(
             size=sampled.size,
             beside=lambda: discrete.lift_size,
         )
-    told = reported(rule, cells, degree, found).of_corners(problem.corners).of_interfaces(problem.interfaces)
-    told = replace(told, off=problem.off)
+    told = reported(rule, cells, degree, found).of_problem(problem)
     if measured and found.again is not None and not regular:
         amplification, rounding = resonance(sampled, found.again)
         if not rounding <= SINGULAR:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from rsym.problems.corners.choice import CornerChoice
-from rsym.problems.interfaces import Interfaces
+from rsym.problems.problem import Problem
 from rsym.problems.refinement import Grade, observed_order
 from rsym.problems.systems.linear import Solved
 from rsym.reports.document import Document, Sentence, Tabular, numerical
@@ -55,6 +54,7 @@ class SolutionReport(Report):
     interfaces: int = 0
     doubts: tuple[str, ...] = ()
     off: float = 0.0
+    treatments: tuple[str, ...] = ()
 
     @property
     def observed_order(self) -> float | None:
@@ -105,7 +105,7 @@ class SolutionReport(Report):
             told.append(f"The rule of integration is not sure on a measure of {short(self.unresolved)}.")
         if self.off:
             told.append(f"Functions given on the boundary are met to about {short(self.off)} of the largest value.")
-        told += self._of_corners()
+        told += [*self.treatments, *self._of_corners()]
         if self.stress is not None:
             told.insert(
                 0,
@@ -141,18 +141,18 @@ class SolutionReport(Report):
                 "corners": self.corners,
                 "corners left": self.left + len(self.refused),
                 "interfaces": self.interfaces,
+                "treatments": list(self.treatments),
             },
         )
 
-    def of_corners(self, choice: CornerChoice | None) -> SolutionReport:
-        """The same, knowing of corners."""
-        if choice is None:
-            return self
-        return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
-
-    def of_interfaces(self, interfaces: Interfaces) -> SolutionReport:
-        """The same, knowing where coefficients jump or have kinks."""
-        return replace(self, interfaces=len(interfaces.functions), doubts=interfaces.doubts)
+    def of_problem(self, problem: Problem) -> SolutionReport:
+        """The same, knowing of corners, interfaces, the form, and how values on the boundary go inside."""
+        folds = problem.interfaces
+        made = replace(self, off=problem.off, treatments=treatments(problem))
+        made = replace(made, interfaces=len(folds.functions), doubts=folds.doubts)
+        if (choice := problem.corners) is None:
+            return made
+        return replace(made, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
 
     def _of_corners(self) -> list[str]:
         """Which corners and kinks have functions of their own, and which do not though solutions are not smooth."""
@@ -181,6 +181,16 @@ def reported(rule: Quadrature, cells: int, degree: int, found: Solved) -> Soluti
         condition=found.condition,
         stopped=found.stopped,
     )
+
+
+def treatments(problem: Problem) -> tuple[str, ...]:
+    """What was done with a problem beside what is done with all, a line each."""
+    told = []
+    if problem.seams is not None and problem.seams.rewritten:
+        told.append("The formula was written anew, as one that is zero on the boundary alone.")
+    if problem.cuts:
+        told.append(f"Conditions change on {plural(len({cut.leaf for cut in problem.cuts}), 'leaf', 'leaves')}.")
+    return (*told, *problem.lifted.how)
 
 
 def digits_left(share: float) -> int:

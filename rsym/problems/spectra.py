@@ -216,8 +216,7 @@ def _spectrum(problem: Problem, cells: int, degree: int, count: int, mass: Any) 
     free = not problem.leaves(Dirichlet, Clamped)
     unit = 1.0 / float(np.max(np.multiply(grid.size, grid.counts))) ** problem.equation.order
     values, vectors = eigenpairs(stiffness, masses, count, -unit if free else 0.0, unit, last=discrete.beside_count)
-    made = reported(rule, cells, degree, Solved(vectors[:, 0], 0, 0.0)).of_corners(problem.corners)
-    made = made.of_interfaces(problem.interfaces)
+    made = reported(rule, cells, degree, Solved(vectors[:, 0], 0, 0.0)).of_problem(problem)
     found = []
     for value, vector in zip(values, vectors.T, strict=True):
         size = np.sqrt(abs(vector @ (masses @ vector)))
@@ -283,7 +282,7 @@ def _require_homogeneous(problem: Problem) -> None:
     """Refuse what makes L u = lambda*m*u no problem of eigenvalues."""
     flowing = any(problem.flows) or any(problem.conditions[leaf].flux != 0 for leaf in problem.leaves(Robin))  # type: ignore[union-attr]
     wrong = {
-        "a value": problem.lift_expression != 0,
+        "a value": problem.lifted.expression != 0,
         "a flux": flowing,
         "a right side": problem.equation.expressions["f"] != 0,
         "first derivatives": not problem.equation.symmetric,

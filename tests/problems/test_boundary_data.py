@@ -44,4 +44,4 @@ def test_data_on_several_parts_are_kept_to_them():
 
 def test_smooth_data_stay_as_they_are():
     u = rsym.solve(rsym.disc(1), "-laplacian(u) = 0", sp.log((x - 2) ** 2 + y**2), cells=8)
-    assert u.problem.lift_expression == sp.log((x - 2) ** 2 + y**2)
+    assert u.problem.lifted.expression == sp.log((x - 2) ** 2 + y**2)

@@ -26,7 +26,9 @@ BENT_SIDES = {"left": y**3, "floor": x, "right": 2 + y**3, "lid": 8 + x, "side":
 
 
 def lift(shape, values):
-    return sp.lambdify((x, y), expand_nodes(lift_of(shape, {k: rsym.dirichlet(v) for k, v in values.items()})))
+    return sp.lambdify(
+        (x, y), expand_nodes(lift_of(shape, {k: rsym.dirichlet(v) for k, v in values.items()}).expression)
+    )
 
 
 def second(f, p, q, h=1e-5):

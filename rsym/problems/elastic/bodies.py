@@ -127,7 +127,7 @@ class ElasticBody:
                     self._require_whole(name, leaves, axis)
             kept = {leaf for leaves in held.values() for leaf in leaves}
             on_leaves = [given[name] if leaf in kept else None for leaf, name in enumerate(self.names)]
-            found.append(Problem(self.shape, equation, given, tuple(on_leaves)))
+            found.append(Problem(self.shape, equation, given, tuple(on_leaves), seams=self.seams))
             for jump in jumps_in(found[-1]):
                 place, values = (
                     ", ".join(f"{value:.6g}" for value in some) for some in (jump.corner.point, jump.values)

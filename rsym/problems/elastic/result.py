@@ -17,7 +17,7 @@ from rsym.problems.elastic.bodies import STRAIN, ElasticBody
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
 from rsym.problems.places import MORE_POINTS, on_shape, rule_on
 from rsym.problems.solution import Solution, with_rule
-from rsym.problems.solution_report import SolutionReport, reported
+from rsym.problems.solution_report import SolutionReport, reported, treatments
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.linear import solve_system
 from rsym.reports.words import plural
@@ -192,7 +192,8 @@ def in_equilibrium(body: ElasticBody, rule: Quadrature, cells: int, degree: int)
     system = Equilibrium(body, rule, degree)
     system.require_held()
     found = solve_system(system.matrix, system.right, definite=True, dimension=2)
-    told = replace(reported(rule, cells, degree, found), off=body.off)
+    lines = dict.fromkeys(line for problem in body.problems for line in treatments(problem))
+    told = replace(reported(rule, cells, degree, found), off=body.off, treatments=(*lines,))
     splines = system.discrete[0].splines
     coefficients = np.ascontiguousarray((splines.extension @ found.values.reshape(2, -1).T).T)
     made = ElasticSolution(body, splines, coefficients, told, degree + MORE_POINTS)
