@@ -238,7 +238,7 @@ def lettered(
     shape = shape.replace(letters={**{n: v for n, v in numbers.items() if n not in shape.letters}, **shape.letters})
     for name in shape.letters:
         named.setdefault(name, sp.Symbol(name, real=True))
-    return seamless(shape, divisible), named
+    return seamless(shape, divisible).told(), named
 
 
 def missed(solution: Solution) -> float:

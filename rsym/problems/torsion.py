@@ -145,7 +145,7 @@ def torsion(
     checked_degree(degree)
     if shape.dimension != 2:
         raise RsymError("torsion is of a section in the plane", code="dimension", remedy="give a shape of x and y")
-    problem = _problem(seamless(shape if letters is None else relettered(shape, letters)))
+    problem = _problem(seamless(shape if letters is None else relettered(shape, letters)).told())
     problem = with_corners(problem, last_degree(degree, cells)) if corners else problem
 
     def compared(cells: int, degree: int, made: Torsion) -> float:

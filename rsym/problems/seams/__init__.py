@@ -5,5 +5,6 @@
 - `clauses`: a conjunction of disjunctions of atoms that rows ask for
 - `isolated`: points inside where a form is zero; a ball about each is an atom more
 - `proof`: that it has the sign of the form, and is zero on the boundary alone, by boxes
+- `slits`: slits without width, that were typed
 - `seamless`: a shape written so, and its names
 """

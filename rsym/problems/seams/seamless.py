@@ -7,7 +7,7 @@ a corner, whose functions are then not known.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from rsym.arrays import Floats, Ints
-from rsym.errors import RsymError
+from rsym.errors import RsymError, warn
 from rsym.logic.separation import multiple, separated
 from rsym.logic.sign_form import shape_form
 from rsym.logic.weights import constant_speed
@@ -28,6 +28,7 @@ from rsym.problems.seams.clauses import Clause, clauses_of
 from rsym.problems.seams.isolated import isolated_zeros
 from rsym.problems.seams.proof import unproved
 from rsym.problems.seams.rows import SignRows, rows_around, rows_at, rows_of, rows_on
+from rsym.problems.seams.slits import slit_of
 from rsym.sampling.extent import extent
 from rsym.sampling.labels import Labeller
 from rsym.sampling.windows import relettered
@@ -49,17 +50,30 @@ class LeafOfTwo(NamedTuple):
 
 
 class Seamless(NamedTuple):
-    """The shape that a problem is solved on, the one that was typed, and leaves that belong to two parts."""
+    """The shape that a problem is solved on, the one that was typed, and leaves that belong to two parts.
+
+    slit : a place on a slit without width that was typed, and is left out.
+    """
 
     shape: Shape
     typed: Shape
     divided: tuple[LeafOfTwo, ...] = ()
     divisible: bool = True
+    slit: tuple[float, ...] | None = None
 
     @property
     def rewritten(self) -> bool:
         """Whether the form is not the one that was typed."""
         return bool(self.shape.expression != self.typed.expression)
+
+    def told(self) -> Seamless:
+        """Itself, with a warning of a slit that is left out."""
+        if self.slit is not None:
+            warn(
+                f"at {_told(self.slit)} the formula is zero inside, the shape being on both sides: such a slit without "
+                "width is left out; remedy: give it a width, or leave it out of the formula"
+            )
+        return self
 
     def relettered(self, values: Mapping[Any, Any]) -> Seamless:
         """The same at other letters; if that has the same form the objects stay, of which others have kernels."""
@@ -127,10 +141,10 @@ def seamless(shape: Shape, divisible: bool = True) -> Seamless:
     if not divisible:
         parts, split = _split(parts, divided)
         made, divided = _formed(shape, [split.get(leaf, leaf) for leaf in leaves], clauses), ()
-    return Seamless(replace(made, parts=parts), shape, divided, divisible)
+    return Seamless(replace(made, parts=parts), shape, divided, divisible, slit_of(shape, form, atoms.box))
 
 
-def _told(place: Floats) -> str:
+def _told(place: Iterable[float]) -> str:
     return "(" + ", ".join(f"{value:.6g}" for value in place) + ")"
 
 
