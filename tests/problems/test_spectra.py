@@ -126,3 +126,26 @@ def test_an_eigenvalue_that_would_be_rounding_is_refused(monkeypatch):
     monkeypatch.setattr(linear, "UNSURE", 0.0)
     with pytest.raises(rsym.RsymError, match="would be rounding"):
         rsym.modes(rsym.rectangle(2, 1), 1, cells=8)
+
+
+TRIANGLE, SQUARE = rsym.regular_polygon(3, 1), rsym.rectangle(2, 2)
+SYMMETRIC = {
+    "square": (SQUARE.rotate(0.3), None, (1, 4)),
+    "pentagon": (rsym.regular_polygon(5, 1), None, (1, 3)),
+    "hexagon": (rsym.regular_polygon(6, 1.6).rotate(0.2), {}, (1, 3)),
+    "cross": ((rsym.rectangle(3, 1) | rsym.rectangle(1, 3)).rotate(0.3), None, (1,)),
+    "clover": (TRIANGLE | rsym.disc(sp.Rational(3, 4)), {}, (1,)),
+    "star": (TRIANGLE | TRIANGLE.rotate(sp.pi / 3), None, (1, 3)),
+}
+
+
+@pytest.mark.parametrize("cells", [8, 14])
+@pytest.mark.parametrize("name", SYMMETRIC)
+def test_eigenvalues_of_symmetric_figures_come_in_pairs_to_their_estimate(name, cells):
+    """Nothing is known of the symmetry: on the grid the two of a pair are other functions."""
+    shape, conditions, pairs = SYMMETRIC[name]
+    found = rsym.modes(shape, 6, conditions, cells=cells, degree=4)
+    estimate = found.grades[-1].estimate
+    for k in pairs:
+        assert abs(found.values[k + 1] - found.values[k]) <= estimate * found.values[k + 1]
+    assert estimate < 0.2
