@@ -1,6 +1,10 @@
 """The notebooks as they are committed: run, small, and free of what belongs to one machine. CI runs them anew."""
 
+import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -58,6 +62,28 @@ def test_text_is_text_and_begins_with_one_title(path):
     lines = "\n".join(text).splitlines()
     assert sum(line.startswith("# ") for line in lines) == 1, "headings of sections have two signs"
     assert sum(line.startswith("## ") for line in lines) > 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_prints_what_it_says(path):
+    """In a process of its own: the words, and numbers to one in their last place."""
+    pytest.importorskip("IPython")
+    environment = {name: value for name, value in os.environ.items() if name != "RSYM_FAST"}
+    environment["PYTHONPATH"] = os.pathsep.join(map(str, (FOLDER.parent, FOLDER.parent / "tests")))
+    command = [sys.executable, "-m", "oracles.notebooks", str(path)]
+    done = subprocess.run(command, cwd=FOLDER, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    every = zip(notebooks.stored(notebooks.read(path)), json.loads(done.stdout.splitlines()[-1]), strict=True)
+    found = {k + 1: differ for k, (said, made) in enumerate(every) if (differ := notebooks.differences(said, made))}
+    assert not found, f"outputs of cells are not those of running them: {found}"
+
+
+def test_printed_numbers_agree_to_one_in_their_last_place():
+    assert not notebooks.differences("1.25 of 3e-16, -0.00", "1.26 of  4.1e-15, 0.00")
+    assert notebooks.differences("1.25", "1.27") == [("1.25", "1.27")]
+    assert notebooks.differences("2.5e-05", "2.7e-05") == [("2.5e-05", "2.7e-05")]
+    assert notebooks.differences("one 1", "two 1")
 
 
 @pytest.mark.slow
