@@ -190,6 +190,11 @@ def beyond_data(problem: Problem, rule: Quadrature, values: Floats) -> float:
     return beyond / largest if largest else 0.0
 
 
+def inward_edges(problem: Problem) -> bool:
+    """Whether a shape in space may have edges that point inwards, where solutions are less smooth: it has an "or"."""
+    return problem.dimension == 3 and any(gate.operation == "max" for gate in problem.form.gates)
+
+
 def is_kinked(problem: Problem) -> bool:
     """Whether what is given on the boundary has kinks or jumps, or coefficients more than is known of interfaces.
 
