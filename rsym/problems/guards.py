@@ -22,9 +22,9 @@ from rsym.logic.sign_form import shape_builder
 from rsym.model.symbols import symbols_of
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.galerkin import Discretisation
+from rsym.problems.places import has_poles
 from rsym.problems.pointwise import first_place, formulas
 from rsym.problems.problem import VALUED, Problem
-from rsym.problems.sources import poles_in
 from rsym.problems.systems.forms import Some
 from rsym.problems.systems.linear import Solved, solve_system
 from rsym.program.lowering import lower_all
@@ -203,7 +203,4 @@ def is_kinked(problem: Problem) -> bool:
     given = [value for one in problem.conditions if one is not None for value in one.values]
     every = [value for value in given if isinstance(value, sp.Expr)]
     kinked = any(isinstance(part, KINKED) for value in every for part in sp.preorder_traversal(value))
-    if kinked or problem.interfaces.doubts:
-        return True
-    sources = [problem.equation.expressions[name] for name in problem.equation.load_places.values()]
-    return any(poles_in(problem.shape, one, (*problem.equation.functions,)) for one in sources)
+    return kinked or bool(problem.interfaces.doubts) or has_poles(problem)

@@ -18,6 +18,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.problem import Problem, vanished
+from rsym.problems.sources import poles_in
 from rsym.problems.splines.web import WebSplines
 from rsym.sampling.extent import extent
 from rsym.sampling.rules.division import Grading
@@ -43,8 +44,19 @@ def rule_order(problem: Problem, cells: int, degree: int) -> int:
     return degree + (MORE_ON_FEW if plain and cells <= FEW_CELLS else MORE_POINTS)
 
 
+def has_poles(problem: Problem) -> bool:
+    """Whether a source has no bound inside."""
+    equation = problem.equation
+    sources = [equation.expressions[name] for name in equation.load_places.values()]
+    return any(poles_in(problem.shape, one, (*equation.functions,)) for one in sources)
+
+
 def rule_for(problem: Problem, cells: int, order: int) -> Quadrature:
-    """The rule of integration of a problem, graded towards corners that have functions of their own."""
+    """The rule of integration of a problem, graded towards corners that have functions of their own.
+
+    Beside sources with poles the order is even: the middle of a cell, where a pole may be, is no point then.
+    """
+    order += order % 2 if has_poles(problem) else 0
     near = None if problem.corners is None else problem.corners.functions.grading
     if problem.cuts:
         near = problem.switches.graded(near)
