@@ -155,7 +155,7 @@ class Discretisation:
     def border(self, where: CellPoints) -> SystemBorder:
         """These functions at the points of a rule."""
         functions = self._functions if where is self.inside else beside_at(self.problem, where.points)
-        return SystemBorder(self.assembler, self.tests, where, functions, self.extra_count)
+        return SystemBorder(self.assembler, (self.tests,), where, functions, self.extra_count)
 
     @cached_property
     def _functions(self) -> BesideAt:

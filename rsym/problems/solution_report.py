@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from rsym.problems.corners.choice import CornerChoice
 from rsym.problems.problem import Problem
 from rsym.problems.refinement import Grade, observed_order
 from rsym.problems.systems.linear import Solved
@@ -150,9 +151,13 @@ class SolutionReport(Report):
         folds = problem.interfaces
         made = replace(self, off=problem.off, treatments=treatments(problem))
         made = replace(made, interfaces=len(folds.functions), doubts=folds.doubts)
-        if (choice := problem.corners) is None:
-            return made
-        return replace(made, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
+        return made.of_corners(problem.corners)
+
+    def of_corners(self, choice: CornerChoice | None) -> SolutionReport:
+        """The same, knowing of corners."""
+        if choice is None:
+            return self
+        return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
 
     def _of_corners(self) -> list[str]:
         """Which corners and kinks have functions of their own, and which do not though solutions are not smooth."""

@@ -131,7 +131,7 @@ def area(shape, scale):
     return float(rsym.measure(shape).area) / scale**2
 
 
-# Of elastic bodies corners that point inwards have no functions.
+# Of elastic bodies edges that are bent beside corners want more cells.
 QUESTIONS = {drum: NEAR, integral: NEAR, rigidity: NEAR, energy: 0.03, area: 1e-9}
 
 

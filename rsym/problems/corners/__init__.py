@@ -7,6 +7,8 @@ of points with their derivatives. In the order of the data:
 - `common_zeros`: the points where leaves that matter meet; `sectors`: what is inside around such a point
 - `reaches`: how far around corners nothing else is; `corners`: all of that
 - `leaf_jets`: leaves with their derivatives; `growth`: what convection and a diffusion that varies make of functions
-- `corner_functions`: powers and logarithms in the coordinates of two leaves by `singular_loops`; `formulas`: these as
-  expressions; `choice`: which corners have some beside splines
+- `leaf_coordinates`: in which both edges are straight; `corner_functions`: powers and logarithms in these, by
+  `singular_loops`; `formulas`: these as expressions
+- `goursat`: exponents of elastic bodies and plates; `wave_functions`: what belongs to them
+- `choice`: which corners have some beside splines
 """

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rsym.errors import RsymError
 from rsym.model.shape import Shape
-from rsym.problems.corners.corner_functions import CornerFunctions, corner_functions, terms_at
+from rsym.problems.corners.corner_functions import CornerFunctions, LocalFunctions, corner_functions, terms_at
 from rsym.problems.corners.corners import PlaneCorner, surveyed_corners
+from rsym.problems.corners.goursat import EdgeConditions, exponents
 from rsym.problems.corners.growth import Growth
+from rsym.problems.corners.wave_functions import STEEPEST, WaveFunctions, wave_functions
 
 MOST = 4000  # functions; each meets what is near its corner alone
 COUNTS = (7, 3), (4, 2), (3, 1), (1, 1)  # of rates and levels at each corner, fewer where there are many corners
@@ -38,7 +40,7 @@ class CornerChoice:
     ['degenerate']
     """
 
-    functions: CornerFunctions
+    functions: CornerFunctions[LocalFunctions] | CornerFunctions[WaveFunctions]
     left: tuple[PlaneCorner, ...]
     refused: tuple[RsymError, ...]
     degree: int = LOW + 1
@@ -47,6 +49,11 @@ class CornerChoice:
     def corners(self) -> tuple[PlaneCorner, ...]:
         """Those with functions, each once."""
         return tuple(part.corner for part in self.functions.parts)
+
+    def component(self, axis: int) -> CornerChoice:
+        """The same with one component of each function that has some."""
+        parts = (part.component(axis) for part in self.functions.parts if isinstance(part, WaveFunctions))
+        return replace(self, functions=CornerFunctions(tuple(parts)))
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -107,6 +114,42 @@ def chosen_corners(
     )
     bare = [one for one, cone in zip(every, conical, strict=True) if one.is_cusp or (cone and one.is_reentrant)]
     left = [*bare, *(corner for corner, _ in needed[count:])]
+    return CornerChoice(functions, tuple(sorted(left, key=lambda corner: corner.point)), refused, degree)
+
+
+def chosen_waves(
+    shape: Shape,
+    conditions: Callable[[PlaneCorner], EdgeConditions],
+    *,
+    most: int = MOST,
+    degree: int = LOW + 1,
+) -> CornerChoice:
+    """At most so many functions of an elastic body or a plate, of corners with the least exponents first.
+
+    conditions : of a corner what holds on its edges.
+    degree : of the splines beside them.
+
+    Examples
+    --------
+    >>> from rsym.problems.corners.goursat import of_body
+    >>> import rsym
+    >>> pair = rsym.disc(1) | rsym.disc(1, (1, 0))
+    >>> chosen = chosen_waves(pair, lambda corner: of_body(corner, [[False, False]] * 2, 2.0))
+    >>> [round(part.terms[0].exponent, 4) for part in chosen.functions.parts], chosen.left
+    ([0.6157, 0.6157], ())
+    """
+    surveyed, refused = surveyed_corners(shape)
+    power = LOW_POWER if degree <= LOW else POWER
+    sharp = [(corner, conditions(corner)) for corner in surveyed if not corner.is_cusp]
+    left = [corner for corner in surveyed if corner.is_cusp]
+    # Logarithms are not among the functions.
+    left += [corner for corner, own in sharp if not all(one.simple for one in exponents(own.rows, STEEPEST))]
+    made = (wave_functions(shape, *one, power=power) for one in sharp)
+    every = sorted((part for part in made if part), key=lambda part: (part.terms[0].exponent, part.corner.point))
+    count = int(np.searchsorted(np.cumsum([len(part.terms) for part in every]), most, side="right"))
+    left += [part.corner for part in every[count:] if part.corner not in left]
+    kept = sorted(every[:count], key=lambda part: part.corner.point)
+    functions = CornerFunctions(tuple(kept))
     return CornerChoice(functions, tuple(sorted(left, key=lambda corner: corner.point)), refused, degree)
 
 

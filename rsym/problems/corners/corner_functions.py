@@ -29,7 +29,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
@@ -38,15 +38,13 @@ from rsym.errors import RsymError
 from rsym.model.shape import Shape
 from rsym.problems.corners.corners import PlaneCorner
 from rsym.problems.corners.growth import Growth
-from rsym.problems.corners.leaf_jets import Bend, LeafJets, leaf_jets
+from rsym.problems.corners.leaf_coordinates import bends, coordinates_of, largest_radius
+from rsym.problems.corners.leaf_jets import LeafJets, leaf_jets
 from rsym.problems.corners.singular_loops import LOG, corner_terms
 from rsym.problems.splines.cardinals import multiplied
 from rsym.sampling.rules.division import Grading
 
-CIRCLE = 720  # places around a corner, at its reach, of which the nearest in leaf coordinates is the radius
-MARGIN = 0.999  # of that radius, for what lies between the places
 WHOLE = 1e-9  # exponents so near to a whole number are those of polynomials, which need no functions of their own
-STRAIGHT, MOST_BENT = 1e-12, 20.0  # the least and most that leaves bend within a reach for what follows
 
 KINDS = ("sin", "cos", "log")  # as the loop counts them
 
@@ -78,7 +76,7 @@ class LocalFunctions:
         kinds = [KINDS.index(term.kind) for term in self.terms]
         multiples = max((half for half, kind in zip(halves, kinds, strict=True) if kind != LOG), default=0)
         corner_terms(
-            *_coordinates(corner, self.jets.at(points)),
+            *coordinates_of(corner, self.jets.at(points)),
             corner.angle,
             self.radius,
             self.power,
@@ -98,8 +96,26 @@ class LocalFunctions:
         return np.ascontiguousarray(found.transpose(1, 0, 2))
 
 
+class FunctionsThere(Protocol):
+    """What there has to be at one corner: terms, the least smooth first, 0 beyond the reach of the corner."""
+
+    @property
+    def corner(self) -> PlaneCorner:
+        """Where."""
+
+    @property
+    def terms(self) -> Sequence[Any]:
+        """What each function is; they have an `exponent`, that of what has finite energy if it is above 0."""
+
+    def derivatives(self, points: Floats, order: int) -> Floats:
+        """Derivatives up to an order at points (n, 2) within the reach: (n, kinds, terms)."""
+
+
+F = TypeVar("F", bound=FunctionsThere, covariant=True)
+
+
 @dataclass(frozen=True)
-class CornerFunctions:
+class CornerFunctions(Generic[F]):
     """Singular functions at corners of a shape, all together.
 
     Examples
@@ -117,7 +133,7 @@ class CornerFunctions:
     [[0.0, 0.0], [0.194836, 0.0], [0.0, 0.0]]
     """
 
-    parts: tuple[LocalFunctions, ...]
+    parts: tuple[F, ...]
 
     def __len__(self) -> int:
         return sum(len(part.terms) for part in self.parts)
@@ -128,7 +144,7 @@ class CornerFunctions:
         return tuple(part.corner for part in self.parts for _ in part.terms)
 
     @property
-    def terms(self) -> tuple[Term, ...]:
+    def terms(self) -> tuple[Any, ...]:
         """What each function is."""
         return tuple(term for part in self.parts for term in part.terms)
 
@@ -160,7 +176,7 @@ class CornerFunctions:
             out[:, first : first + len(part.terms), near] = part.derivatives(points[near], order).transpose(1, 2, 0)
         return out
 
-    def near(self, points: Floats) -> Iterator[tuple[int, LocalFunctions, Ints]]:
+    def near(self, points: Floats) -> Iterator[tuple[int, F, Ints]]:
         """Of each corner within whose reach some points (n, 2) lie the number of its first function, and which do."""
         first, order = 0, np.argsort(points[:, 0], kind="stable")
         across = points[order, 0]
@@ -186,7 +202,7 @@ def corner_functions(
     power: int = 7,
     letters: Mapping[Any, float] | None = None,
     growths: Sequence[Growth | None] = (),
-) -> CornerFunctions:
+) -> CornerFunctions[LocalFunctions]:
     """The singular functions at corners of a shape.
 
     Parameters
@@ -229,8 +245,8 @@ def corner_functions(
         free = corner.free(natural)
         if chosen:
             jets = leaf_jets(shape, corner.leaves, letters, corner.lines)
-            jets = replace(jets, bends=bends(corner, jets))
-            radius, turned = _radius(corner, jets), free == (True, False)
+            jets = replace(jets, bends=bends(corner, jets)[1])
+            radius, turned = largest_radius(corner, jets), free == (True, False)
             parts.append(LocalFunctions(corner, chosen, radius, power, turned, jets, growth))
     return CornerFunctions(tuple(parts))
 
@@ -269,54 +285,3 @@ def terms_at(
 
 def _is_whole(rate: float) -> bool:
     return abs(rate - round(rate)) < WHOLE
-
-
-def bends(corner: PlaneCorner, jets: LeafJets) -> tuple[Bend, ...]:
-    """Factors of both leaves by which leaf coordinates are conformal to second order; none where edges are straight.
-
-    In the directions t, n of the first edge u = x + Re(c z**2) and v = y + Im(c z**2), z = x + i*y: along each edge the
-    second order of its leaf is given, which makes c; what is left of it is the leaf times something linear.
-    """
-    (t, s), alpha = corner.edges, corner.angle
-    normals = np.array(corner.gradients)
-    lengths = np.hypot(*normals.T)
-    n, m = normals / lengths[:, None]
-    xx, xy, yy = jets.at(np.array([corner.point]))[:, 3:, 0].T / (2 * lengths)
-    bent = np.stack([xx, xy, xy, yy], axis=-1).reshape(2, 2, 2)  # of both leaves
-    if not np.abs(bent).max() * corner.reach > STRAIGHT:
-        return ()
-    # Re z**2 and Im z**2 as forms.
-    real, imaginary = np.outer(t, t) - np.outer(n, n), np.outer(t, n) + np.outer(n, t)
-    down = t @ bent[0] @ t
-    if corner.is_flat:  # u stands for the second leaf
-        along, (s, m) = 0.0, (n, t)
-        second = -down * imaginary
-    else:
-        along = -(s @ bent[1] @ s + down * math.cos(alpha)) / math.sin(alpha)
-        u, v = along * real - down * imaginary, down * real + along * imaginary
-        second = u * math.sin(alpha) - v * math.cos(alpha)
-    rests = down * real + along * imaginary - bent[0], second - bent[1]
-    slopes = [
-        2 * (edge @ rest @ normal) * edge + (normal @ rest @ normal) * normal
-        for rest, edge, normal in zip(rests, (t, s), (n, m), strict=True)
-    ]
-    if max(np.hypot(*slope) for slope in slopes) * corner.reach > MOST_BENT:
-        return ()
-    return tuple(Bend(corner.point, (float(p), float(q))) for p, q in slopes)
-
-
-def _radius(corner: PlaneCorner, jets: LeafJets) -> float:
-    """The largest radius in leaf coordinates of a disc that lies within the reach."""
-    around = np.linspace(0, 2 * math.pi, CIRCLE, endpoint=False)
-    places = corner.point + corner.reach * np.stack([np.cos(around), np.sin(around)], axis=1)
-    u, v, _ = _coordinates(corner, jets.at(places)[:, 0])
-    return MARGIN * float(np.hypot(u, v).min())
-
-
-def _coordinates(corner: PlaneCorner, leaves: Floats) -> tuple[Floats, Floats, Floats]:
-    """Leaf coordinates u, v and w of anything linear in the two leaves (2, ...)."""
-    first, second = (math.hypot(*slope) for slope in corner.gradients)
-    if corner.is_flat:
-        return leaves[1], leaves[0] / first, leaves[0] / first
-    v, w = leaves[0] / first, leaves[1] / second
-    return (w + v * math.cos(corner.angle)) / math.sin(corner.angle), v, w

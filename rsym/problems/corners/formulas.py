@@ -18,7 +18,7 @@ LARGEST = 24  # denominator of a part of pi that an angle is taken for
 SAME = 1e-12
 
 
-def formulas(shape: Shape, functions: CornerFunctions) -> tuple[sp.Expr, ...]:
+def formulas(shape: Shape, functions: CornerFunctions[LocalFunctions]) -> tuple[sp.Expr, ...]:
     """The functions as expressions in the coordinates and letters of their shape.
 
     They are 0 on both edges for other letters too, but where a tangent stands for a leaf; angle, place, radius and

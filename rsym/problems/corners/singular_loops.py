@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from typing import Any
 
@@ -135,3 +136,71 @@ def corner_terms(
                 (f2 * y + (2 * f1 - chi) * a) * size, ((f1 - chi) * dy + chi * b) * size, lap * size,
             )  # fmt: skip
             put(here, k, un, vn, c, s, polar)
+
+
+@loop
+def wave_terms(
+    u: Any, v: Any, w: Any, alpha: float, radius: float, power: int, alone: bool,
+    rates: Any, top: int, waves: Any, turns: Any, which: Any, levels: Any, out: Any,
+) -> None:  # fmt: skip
+    """The derivatives of terms at points to `out` (n, components, 1, 3 or 6 kinds, terms), which is 0 where they are.
+
+    u, v and w, (6, n), have those of leaf coordinates in the order of the kinds. With l of `rates` (functions,), and
+    `waves` (functions, orders, shifts, 2, components), a function is the real part of the sum of
+
+        r**(l + top + p) * (waves[p, q, 0]*exp(i*m*theta) + waves[p, q, 1]*exp(-i*m*theta)),  m = l + top + p - 2*q,
+
+    and a term is the function of a number in `which` times r**(2*level), cut off. `turns` has room (functions, orders,
+    components, 3) for what they turn like.
+    """
+    ca, sa, cut = math.cos(alpha), math.sin(alpha), alpha / 2 + math.pi
+    for n in range(u.shape[1]):
+        r = math.hypot(u[0, n], v[0, n])
+        if r >= radius:
+            continue
+        t = turned(math.atan2(v[0, n], u[0, n]), cut)
+        rest = turned(math.atan2(w[0, n], u[0, n] * ca + v[0, n] * sa), cut)
+        if not alone and (t <= -EDGE or rest <= -EDGE):
+            continue
+        r = max(r, TINY)
+        share = r / radius
+        fall = max((1 - share) * (1 + share), 0.0)
+        inner = fall ** (power - 2)
+        chi = inner * fall * fall
+        chi1 = -2 * power * share * share * inner * fall
+        chi2 = chi1 + 4 * power * (power - 1) * share**4 * inner
+        un, vn = u[:, n], v[:, n]
+        c, s = u[0, n] / r, v[0, n] / r
+        log = math.log(r)
+        for f in range(waves.shape[0]):
+            for p in range(waves.shape[1]):
+                turns[f, p] = 0.0
+                size = cmath.exp((rates[f] + (top + p - 2)) * log)
+                for q in range(waves.shape[2]):
+                    m = rates[f] + (top + p - 2 * q)
+                    forth = cmath.exp(1j * m * t)
+                    back = size / forth
+                    forth *= size
+                    for a in range(waves.shape[4]):
+                        one, other = waves[f, p, q, 0, a] * forth, waves[f, p, q, 1, a] * back
+                        turns[f, p, a, 0] += one + other
+                        turns[f, p, a, 1] += 1j * m * (one - other)
+                        turns[f, p, a, 2] -= m * m * (one + other)
+        for k in range(len(which)):
+            f, more = which[k], r ** (2 * levels[k])
+            for a in range(waves.shape[4]):
+                value, dr, dt, rr, rt, flat = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+                for p in range(waves.shape[1]):
+                    e = rates[f] + (top + p + 2 * levels[k])
+                    # Of F = chi*r**e, over r**e: r F' and r**2 F''.
+                    f1 = e * chi + chi1
+                    f2 = e * (e - 1) * chi + 2 * e * chi1 + chi2
+                    y, dy, ddy = turns[f, p, a, 0], turns[f, p, a, 1], turns[f, p, a, 2]
+                    value += (y * chi).real * r * r
+                    dr += (y * f1).real * r
+                    dt += (dy * chi).real * r
+                    rr += (y * f2).real
+                    rt += (dy * (f1 - chi)).real
+                    flat += (y * (f2 + f1) + ddy * chi).real
+                polar = (value * more, dr * more, dt * more, rr * more, rt * more, flat * more)
+                put(out[n, a], k, un, vn, c, s, polar)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 from typing import Any
 
@@ -18,6 +18,9 @@ from rsym.logic.weights import weight
 from rsym.model.shape import Shape
 from rsym.model.wording import listing
 from rsym.problems.conditions import Name, assigned
+from rsym.problems.corners.choice import CornerChoice, chosen_waves
+from rsym.problems.corners.corners import PlaneCorner
+from rsym.problems.corners.goursat import EdgeConditions, of_body
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
 from rsym.problems.equations import equation_of
 from rsym.problems.given_functions import as_formulas
@@ -27,6 +30,7 @@ from rsym.problems.pointwise import PointFormulas, compiled, first_place, with_d
 from rsym.problems.problem import Problem, value_at
 from rsym.problems.seams.seamless import Seamless
 from rsym.problems.shares import jumps_in
+from rsym.problems.systems.borders import Beside, BesideAt
 from rsym.program.differentiation import derivative
 
 STRESS, STRAIN = "stress", "strain"
@@ -39,6 +43,7 @@ class ElasticBody:
 
     plane : "stress" for a thin plate, "strain" for a long body that cannot become longer.
     seams : the shape as it was typed.
+    corners : functions of corners; None if there are to be none.
     """
 
     shape: Shape
@@ -48,6 +53,7 @@ class ElasticBody:
     loads: tuple[Value, ...]
     plane: str
     seams: Seamless
+    corners: CornerChoice | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What was compiled on the way is made again; functions that no pickle holds stay behind."""
@@ -127,7 +133,8 @@ class ElasticBody:
                     self._require_whole(name, leaves, axis)
             kept = {leaf for leaves in held.values() for leaf in leaves}
             on_leaves = [given[name] if leaf in kept else None for leaf, name in enumerate(self.names)]
-            found.append(Problem(self.shape, equation, given, tuple(on_leaves), seams=self.seams))
+            own = None if self.corners is None else self.corners.component(axis)
+            found.append(Problem(self.shape, equation, given, tuple(on_leaves), corners=own, seams=self.seams))
             for jump in jumps_in(found[-1]):
                 place, values = (
                     ", ".join(f"{value:.6g}" for value in some) for some in (jump.corner.point, jump.values)
@@ -138,6 +145,16 @@ class ElasticBody:
                     remedy="give displacements that agree where parts meet",
                 )
         return tuple(found)
+
+    @cached_property
+    def without_corners(self) -> ElasticBody:
+        """The same body without functions of corners."""
+        return self if self.corners is None else replace(self, corners=None)
+
+    def beside_at(self, points: Floats) -> BesideAt:
+        """The functions beside splines, both components with first derivatives, at points."""
+        near = () if self.corners is None else self.corners.functions.near(points)
+        return BesideAt(points, [Beside(first, len(part.terms), on, part.derivatives) for first, part, on in near], 1)
 
     def _require_whole(self, name: Name, leaves: tuple[int, ...], axis: int) -> None:
         if len(leaves) != self.names.count(name):
@@ -221,3 +238,16 @@ class ElasticBody:
     def load(self, points: Floats) -> Floats:
         """The force (2, n) on a volume."""
         return np.array([value_at(self.shape, value, points) for value in self.loads])
+
+
+def with_corners(body: ElasticBody, degree: int) -> ElasticBody:
+    """The same body with functions for the corners of its shape, for splines of a degree."""
+    if len(body.form.leaves) < 2:
+        return body
+
+    def conditions(corner: PlaneCorner) -> EdgeConditions:
+        first, shear = (float(one[0]) for one in body.moduli(np.array([corner.point])))
+        held = [[any(leaf in own for own in held.values()) for held in body.held] for leaf in corner.leaves]
+        return of_body(corner, held, (first + 3 * shear) / (first + shear))
+
+    return replace(body, corners=chosen_waves(body.shape, conditions, degree=degree))

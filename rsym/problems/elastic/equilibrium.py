@@ -23,7 +23,8 @@ from rsym.model.wording import listing
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import ElasticBody
 from rsym.problems.galerkin import Discretisation
-from rsym.problems.systems.forms import CellPoints, Some, extended, single_load
+from rsym.problems.systems.borders import BesideAt, SystemBorder
+from rsym.problems.systems.forms import CellPoints, LoadAt, Some, extended
 from rsym.sampling.rules.quadrature import Quadrature
 
 AXES = range(2)
@@ -61,7 +62,8 @@ class Equilibrium:
     @cached_property
     def discrete(self) -> tuple[Discretisation, ...]:
         """Of both displacements, by the same splines."""
-        return tuple(Discretisation(one, self.rule, self.degree, self.threads) for one in self.body.problems)
+        alone = self.body.without_corners.problems
+        return tuple(Discretisation(one, self.rule, self.degree, self.threads) for one in alone)
 
     @cached_property
     def moduli(self) -> tuple[Floats, Floats]:
@@ -84,43 +86,86 @@ class Equilibrium:
     # -- the system ------------------------------------------------------------------------------------------------
 
     @cached_property
-    def matrix(self) -> sparse.csr_matrix:
-        """Of the inner splines along x, then of those along y."""
-        blocks: list[list[sparse.csr_matrix | None]] = [[None, None], [None, None]]
-        for i, j in ((0, 0), (1, 1), (0, 1)):
+    def _functions(self) -> BesideAt:
+        return self.body.beside_at(self.rule.points)
 
-            def form(some: Some, points: Floats, i: int = i, j: int = j) -> Floats:
-                first, shear = self.moduli[0][some], self.moduli[1][some]
-                found = np.zeros((len(points), 3, 3))
+    @property
+    def extra_count(self) -> int:
+        """How many functions there are beside the splines."""
+        return 0 if self.body.corners is None else len(self.body.corners.functions)
+
+    def _border(self, where: CellPoints) -> SystemBorder:
+        one = self.discrete[0]
+        functions = self._functions if where is one.inside else self.body.beside_at(where.points)
+        return SystemBorder(one.assembler, [own.tests for own in self.discrete], where, functions, self.extra_count)
+
+    def form(self, some: Some, points: Floats) -> Floats:
+        """Of the stresses, (n, 6, 6), on the derivatives of both displacements: of those tested, then those acting."""
+        first, shear = self.moduli[0][some], self.moduli[1][some]
+        found = np.zeros((len(points), 2, 3, 2, 3))
+        for i in AXES:
+            for j in AXES:
                 # sigma_ik(e_j w) d_k v: lambda d_j w d_i v + mu (delta_ij d_k w + delta_jk d_i w) d_k v.
-                found[:, 1 + i, 1 + j] += first
-                found[:, 1 + j, 1 + i] += shear
+                found[:, i, 1 + i, j, 1 + j] += first
+                found[:, i, 1 + j, j, 1 + i] += shear
                 if i == j:
                     for k in AXES:
-                        found[:, 1 + k, 1 + k] += shear
-                return found
+                        found[:, i, 1 + k, j, 1 + k] += shear
+        return found.reshape(-1, 6, 6)
+
+    @cached_property
+    def matrix(self) -> sparse.csr_matrix:
+        """Of the inner splines along x, then of those along y, then of the functions beside them."""
+        blocks: list[list[sparse.csr_matrix | None]] = [[None, None], [None, None]]
+        for i, j in ((0, 0), (1, 1), (0, 1)):
+            rows, columns = (slice(3 * k, 3 * k + 3) for k in (i, j))
+
+            def form(some: Some, points: Floats, rows: slice = rows, columns: slice = columns) -> Floats:
+                return self.form(some, points)[:, rows, columns]
 
             one, other = self.discrete[i], self.discrete[j]
             own = one.assembler.matrix(one.inside, form, one.tests, other.tests, symmetric=i == j)
             blocks[i][j] = extended(one.splines, own)
         blocks[1][0] = blocks[0][1].T  # type: ignore[union-attr]
-        return sparse.bmat(blocks, format="csr")
+        own = sparse.bmat(blocks, format="csr")
+        if not self.extra_count:
+            return own
+        columns = self._border(self.discrete[0].inside).columns(self.form, symmetric=True)
+        extension = self.discrete[0].splines.extension.T
+        active = extension.shape[1]
+        across = sparse.vstack([extension @ columns[:active], extension @ columns[active : 2 * active]])
+        return sparse.bmat([[own, across], [across.T, columns[2 * active :]]], format="csr")
 
     @cached_property
     def right(self) -> Floats:
         """The work of loads, without that of the stresses of the displacements that are given."""
         force = self.rule.weights * self.body.load(self.rule.points)
         stress = self.stress(self.lifted(self.rule.points), self.moduli)
-        parts = []
-        for axis, one in enumerate(self.discrete):
 
-            def load(some: Some, points: Floats, axis: int = axis) -> Floats:
-                return np.concatenate([force[axis][None, some], -stress[axis][:, some]]).T[:, :, None]
+        def load(some: Some, points: Floats) -> Floats:
+            found = np.concatenate([force[:, None, some], -stress[:, :, some]], axis=1)
+            return found.reshape(6, -1).T[:, :, None]
 
-            total = one.loads(one.inside, load)
-            for where, acting in self.loaded:
-                total = total + one.loads(where, single_load(acting[axis], 3))
-            parts.append(total[0])
+        def pulled(acting: Floats) -> LoadAt:
+            def load(some: Some, points: Floats) -> Floats:
+                found = np.zeros((len(points), 2, 3, 1))
+                found[:, :, 0, 0] = acting[:, some].T
+                return found.reshape(-1, 6, 1)
+
+            return load
+
+        every = [(self.discrete[0].inside, load), *((where, pulled(acting)) for where, acting in self.loaded)]
+        return np.asarray(np.sum([self._loads(*one) for one in every], axis=0))
+
+    def _loads(self, where: CellPoints, load: LoadAt) -> Floats:
+        """Those of a load on both displacements and their derivatives, (n, 6, 1)."""
+
+        def along(axis: int) -> LoadAt:
+            return lambda some, points: load(some, points)[:, 3 * axis : 3 * axis + 3]
+
+        parts = [one.loads(where, along(axis))[0] for axis, one in enumerate(self.discrete)]
+        if self.extra_count:
+            parts.append(self._border(where).loads(load, 1)[0])
         return np.concatenate(parts)
 
     def lifted(self, points: Floats) -> Floats:

@@ -18,12 +18,12 @@ from rsym.model.requirements import require_mapping, require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name
 from rsym.problems.corners.corners import inward_corners
-from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody
-from rsym.problems.elastic.result import ElasticSolution, in_equilibrium
+from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody, with_corners
+from rsym.problems.elastic.result import ElasticSolution, in_equilibrium, rule_of
 from rsym.problems.elastic.supports import EXAMPLES, Pressure, Traction, as_support, vector
 from rsym.problems.peaks import of_problem, unseen, varies
-from rsym.problems.places import MORE_POINTS, rule_on
-from rsym.problems.refinement import FEWER, on_fewer, refined
+from rsym.problems.places import MORE_POINTS
+from rsym.problems.refinement import FEWER, last_degree, on_fewer, refined
 from rsym.problems.solution import SURE
 from rsym.problems.solving import checked_degree, lettered, reachable
 from rsym.problems.sources import require_integrable
@@ -33,7 +33,7 @@ from rsym.sampling.rules.quadrature import Quadrature
 
 DISPLACEMENTS: Literal["displacement"] = "displacement"
 STRESSES = "stress"
-AT_CORNERS = 0.5  # of the cells: beside corners that point inwards errors fall slowly, and so do differences
+AT_CORNERS = 0.5  # of the cells: beside corners without functions errors fall slowly, and so do differences
 # Overlapping discs, one held: errors fall by 1.3 where cells are halved, so that they are twice the difference.
 SLOWLY = 2
 BESIDE = 3  # cells from such a corner, within which stresses are not compared
@@ -51,6 +51,7 @@ def elasticity(
     cells: int | None = None,
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
+    corners: bool = True,
     goal: Literal["displacement", "stress"] = DISPLACEMENTS,
     estimate: bool = True,
     progress: Progress | None = None,
@@ -61,7 +62,7 @@ def elasticity(
 
     Parameters
     ----------
-    shape, degree, cells, tolerance, letters, progress
+    shape, degree, cells, tolerance, letters, corners, progress
         As in `solve`, of a shape in the plane; the estimate is that of displacements, as a share of the largest one,
         by one degree less on fewer cells.
     conditions : mapping
@@ -125,10 +126,11 @@ def elasticity(
     for load in body.loads:
         if isinstance(load, sp.Expr):
             require_integrable(shape, load, "the force on a volume")
+    body = with_corners(body, last_degree(degree, cells)) if corners else body
     if cells is not None:
         whole(cells, "the cells", 1)
         if not estimate:
-            return in_equilibrium(body, rule_on(shape, body.named, cells, degree + MORE_POINTS), cells, degree)
+            return in_equilibrium(body, rule_of(body, cells, degree + MORE_POINTS), cells, degree)
         found = _compared(body, cells, degree)
         error = found.report.estimate or 0.0
         if not error <= SURE:
@@ -144,7 +146,8 @@ def elasticity(
         return made, made.report.unknowns, error if error > wanted else max(error, _missed(made))
 
     wanted = reachable(tolerance, body.off)
-    found, grades = refined(attempt, 2, degree, wanted, progress)
+    beside = body.corners is not None and len(body.corners.functions) > 0
+    found, grades = refined(attempt, 2, degree, wanted, progress, beside=beside)
     last, known = grades[-1].estimate, found.report
     both = (known.estimate, last) if goal == STRESSES else (last, known.stress)
     told = replace(found, report=replace(known, grades=grades, estimate=both[0], stress=both[1]))
@@ -156,21 +159,32 @@ def _compared(body: ElasticBody, cells: int, degree: int) -> ElasticSolution:
     """The state on a grid, with estimates of its errors."""
 
     def found(cells: int, degree: int) -> ElasticSolution:
-        return in_equilibrium(body, rule_on(body.shape, body.named, cells, degree + MORE_POINTS), cells, degree)
+        return in_equilibrium(body, rule_of(body, cells, degree + MORE_POINTS), cells, degree)
 
-    made, corners = found(cells, degree), inward_corners(body.shape)
+    made, (left, rough) = found(cells, degree), _corners_of(body)
     if degree == 1:
-        return _with_errors(made, math.inf, math.inf, corners)
-    other = on_fewer(lambda fewer: found(fewer, degree - 1), cells, AT_CORNERS if len(corners) else FEWER)
-    error, stress = _apart(made, other, corners)
-    times = SLOWLY if len(corners) else 1
-    return _with_errors(made, times * error, times * stress, corners)
+        return _with_errors(made, math.inf, math.inf, left)
+    unknown = left or made.report.refused
+    other = on_fewer(lambda fewer: found(fewer, degree - 1), cells, AT_CORNERS if unknown else FEWER)
+    error, stress = _apart(made, other, rough)
+    times = SLOWLY if unknown else 1
+    return _with_errors(made, times * error, times * stress, left)
 
 
-def _with_errors(made: ElasticSolution, error: float, stress: float, corners: Floats) -> ElasticSolution:
-    """The same with estimates; corners that point inwards have no functions of their own."""
+def _corners_of(body: ElasticBody) -> tuple[int, Floats]:
+    """How many corners have no functions though they point inwards, and where stresses have no bound, (n, 2)."""
+    inward, choice = inward_corners(body.shape), body.corners
+    if choice is None:
+        return len(inward), inward
+    own = [part.corner.point for part in choice.functions.parts if part.terms[0].exponent < 1]
+    rough = np.array([*own, *(corner.point for corner in choice.left)]).reshape(-1, 2)
+    return len(choice.left), rough
+
+
+def _with_errors(made: ElasticSolution, error: float, stress: float, left: int) -> ElasticSolution:
+    """The same with estimates; so many corners that point inwards have no functions of their own."""
     unsure = made.report.unsure
-    report = replace(made.report, estimate=max(error, unsure), stress=max(stress, unsure), left=len(corners))
+    report = replace(made.report, estimate=max(error, unsure), stress=max(stress, unsure), left=left)
     told = replace(made, report=report)
     told.__dict__["rule"] = made.rule
     return told
@@ -179,7 +193,7 @@ def _with_errors(made: ElasticSolution, error: float, stress: float, corners: Fl
 def _apart(made: ElasticSolution, other: ElasticSolution, corners: Floats) -> tuple[float, float]:
     """How far another state is away: displacements in the root of the mean square, stresses where they are most.
 
-    As shares of the largest; stresses not within some cells of corners that point inwards, where they have no bound.
+    As shares of the largest; stresses not within some cells of corners where they have no bound.
     """
     rule = made.rule
     values, others = (one.jets(rule.points)[:, 0] for one in (made, other))
@@ -216,7 +230,7 @@ def _missed(found: ElasticSolution) -> float:
 
     if not (parts or varies(*body.loads, body.young, body.poisson, *_forces(body))):
         return 0.0
-    return unseen(found.rule, lambda cells: rule_on(body.shape, body.named, cells, order), found.report.cells, data)
+    return unseen(found.rule, lambda cells: rule_of(body, cells, order), found.report.cells, data)
 
 
 def _forces(body: ElasticBody) -> list[Any]:

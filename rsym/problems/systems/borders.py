@@ -75,11 +75,12 @@ class BesideAt:
 class SystemBorder:
     """So many functions beside the splines of an assembler, at the points of a rule.
 
-    tests : the derivatives of the weight of the splines.
+    tests : the derivatives of the weight of the splines; of more than one component those of the weight of each. The
+        derivatives of functions, forms and loads of all components stand one after the other.
     """
 
     assembler: Assembler
-    tests: Weight
+    tests: Sequence[Weight]
     where: CellPoints
     functions: BesideAt
     count: int
@@ -113,8 +114,11 @@ class SystemBorder:
         apply_forms(forms, functions, loads)
         cells, _, plain = where.groups
         own = CellPoints(points, where.cells[one.where], cells[plain], where.order)
-        across = self.assembler.columns(own, lambda some, _: loads[some], self.tests, one.count).tocoo()
-        found = [(across.row.astype(np.int64), across.col + one.first, across.data)]
+        found = []
+        for component, tests in enumerate(self.tests):
+            acting = _rows(loads[:, component * self.assembler.kinds :][:, : self.assembler.kinds])
+            across = self.assembler.columns(own, acting, tests, one.count).tocoo()
+            found.append((across.row + component * self._splines, across.col + one.first, across.data))
         place = np.full(len(where.points), -1, np.int64)
         place[one.where] = np.arange(len(one.where))
         others = number + 1 if symmetric else len(self._beside)
@@ -139,7 +143,15 @@ class SystemBorder:
 
     @property
     def _active(self) -> int:
+        return len(self.tests) * self._splines
+
+    @property
+    def _splines(self) -> int:
         return len(self.assembler.splines.active)
+
+
+def _rows(loads: Floats) -> LoadAt:
+    return lambda some, points: loads[some]
 
 
 _NONE = np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
