@@ -14,7 +14,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
 - `like_slopes`: leaves for weights; `splines/`: functions on a grid; `systems/`: matrices of forms on them, and their
   answers
 - `places`: rules and insides of shapes; `corners/`: what solutions have at corners; `problem`: a problem and what its
-  solution is made of; `posing`: its conditions as the letters of its shape have them
+  solution is made of; `cornered`: corners in it; `posing`: its conditions as the letters of its shape have them
 - `plates`: what bending needs; `galerkin`: the system of a problem; `guards`: what problems and solutions have to keep;
   `refinement`: until errors are small; `peaks`: of data, which a rule misses; `combinations`: sums of the functions of
   a system; `resonance`: what small changes become

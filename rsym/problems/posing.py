@@ -15,12 +15,13 @@ from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import default
 from rsym.model.wording import listing
 from rsym.problems.conditions import assigned, resolved
+from rsym.problems.cornered import with_corners
 from rsym.problems.corners.choice import ON_AXIS
 from rsym.problems.given_functions import as_formulas
 from rsym.problems.interfaces import interfaces_of
 from rsym.problems.loops import holes
 from rsym.problems.pointwise import compiled
-from rsym.problems.problem import VALUED, Problem, with_corners
+from rsym.problems.problem import VALUED, Problem
 from rsym.problems.sources import require_integrable
 from rsym.problems.switches import placed_conditions
 from rsym.program.lowering import lower

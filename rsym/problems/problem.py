@@ -6,7 +6,7 @@ beside: such as the one that is 1 on a hole at an unknown level, and those of co
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
@@ -27,9 +27,7 @@ from rsym.model.equation import Equation
 from rsym.model.recent import recently, written
 from rsym.model.shape import Shape
 from rsym.problems.conditions import Name, assigned, require_part
-from rsym.problems.corners.choice import CornerChoice, chosen_corners
-from rsym.problems.corners.corners import PlaneCorner
-from rsym.problems.corners.growth import Growth, growth_of, places_at
+from rsym.problems.corners.choice import CornerChoice
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.interfaces import NO_INTERFACES, Interfaces
 from rsym.problems.left_behind import portable
@@ -52,7 +50,6 @@ VALUE, FLUX = "value", "flux"
 # Where conditions change on an edge weights have roots in them. In a lift they are multiplied by this power of
 # r**2/(r**2 + a**2), r the distance from there, a this share of the size of a shape.
 SMOOTHLY, ABOUT = 2, 0.25
-NO_LOAD = 1e-9  # of the largest at corners: rounding of their places
 VALUED = (Dirichlet, UnknownLevel, Clamped, Supported)
 
 
@@ -306,42 +303,6 @@ class Problem:
         if self.axis < 0:
             return np.ones(len(points))
         return np.abs(points[:, 1 - self.axis])
-
-
-def with_corners(problem: Problem, degree: int) -> Problem:
-    """The same problem with functions for the corners of its shape, for splines of a degree; without where none are."""
-    if not problem.alike or len(problem.split.leaves) < 2:
-        return problem
-    place = list(problem.equation.expressions).index("f")
-
-    def loaded(corners: Sequence[PlaneCorner]) -> list[bool]:
-        points = np.array([corner.point for corner in corners]).reshape(-1, 2)
-        sizes = np.abs(problem.coefficients(points)[place])
-        return [bool(size > NO_LOAD * sizes.max()) for size in sizes]
-
-    def grown(corners: Sequence[PlaneCorner]) -> list[Growth | None]:
-        return [None if any(one.free(natural)) else growth_of(one, *_first_order(problem, one)) for one in corners]
-
-    valued = problem.leaves(*VALUED)
-    natural = [leaf for leaf in range(len(problem.form.leaves)) if leaf not in valued]
-    marked = problem.switches.marked if problem.cuts else tuple
-    chosen = chosen_corners(
-        problem.shape, natural, loaded, axis=problem.axis, degree=degree, marked=marked, grown=grown
-    )
-    return replace(problem, corners=chosen)
-
-
-def _first_order(problem: Problem, corner: PlaneCorner) -> tuple[Floats, Floats]:
-    """Near a corner k (n,) of -div(k grad u) and b (2, n) of b . grad u, about an axis the radius in both."""
-    points = places_at(corner)
-    values = dict(zip(problem.equation.expressions, problem.coefficients(points), strict=True))
-    radius, convection = problem.radius(points), np.zeros((2, len(points)))
-    for (test, trial), name in problem.equation.places.items():
-        if test == 0 < trial:
-            convection[trial - 1] += radius * values[name]
-        elif trial == 0 < test:
-            convection[test - 1] -= radius * values[name]
-    return radius * values["a00"], convection
 
 
 def beside_at(problem: Problem, points: Floats, order: int | None = None) -> BesideAt:

@@ -17,13 +17,14 @@ from rsym.model.letters import Letter
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, with_letters_of
+from rsym.problems.cornered import with_corners
 from rsym.problems.equations import equation_of
 from rsym.problems.guards import is_kinked
 from rsym.problems.peaks import of_problem, unseen
 from rsym.problems.places import rule_for, rule_order
 from rsym.problems.plates import checked_ratio, require_edges
 from rsym.problems.posing import posed
-from rsym.problems.problem import Problem, beside_at, with_corners
+from rsym.problems.problem import Problem, beside_at
 from rsym.problems.refinement import HIGHEST_DEGREE, TOLERANCE, last_degree, refined
 from rsym.problems.seams.seamless import Seamless, seamless
 from rsym.problems.solution import Solution, estimated, solved, solved_alone, with_rule

@@ -17,13 +17,14 @@ from rsym.errors import RsymError
 from rsym.language.stating import WrittenEquation
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
+from rsym.problems.cornered import with_corners
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.interfaces import interfaces_of
 from rsym.problems.left_behind import portable
 from rsym.problems.peaks import unseen, varies
 from rsym.problems.places import MORE_POINTS, rule_for
 from rsym.problems.posing import posed_again
-from rsym.problems.problem import Problem, on_part, oriented, value_at, with_corners
+from rsym.problems.problem import Problem, on_part, oriented, value_at
 from rsym.problems.refinement import (
     TOLERANCE,
     Grade,

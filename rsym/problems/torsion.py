@@ -15,11 +15,12 @@ from rsym.errors import RsymError
 from rsym.logic.separation import separated_gates
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
+from rsym.problems.cornered import with_corners
 from rsym.problems.equations import equation_of
 from rsym.problems.extremes import Attained
 from rsym.problems.loops import BoundaryLoop, loops_of
 from rsym.problems.places import rule_for, rule_order
-from rsym.problems.problem import Problem, beside_at, with_corners
+from rsym.problems.problem import Problem, beside_at
 from rsym.problems.refinement import Grade, graded_alone, last_degree, observed_order, on_fewer, refined, told
 from rsym.problems.seams.seamless import Seamless, seamless
 from rsym.problems.solution import Solution, solved

@@ -9,10 +9,10 @@ import sympy as sp
 
 import rsym
 from rsym import x, y
+from rsym.problems.cornered import with_corners
 from rsym.problems.corners.choice import chosen_corners
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import rule_for
-from rsym.problems.problem import with_corners
 from rsym.problems.solving import problem_of
 from rsym.problems.splines.evaluation import jets
 

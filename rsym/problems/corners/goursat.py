@@ -110,7 +110,9 @@ class EdgeConditions:
             for k, way in enumerate(self.ways):
                 found[1, :, :, k] += _bent(rate, bend, way) @ parts
             if not self.ways:
-                found[1, 2, :, 0] -= np.array([bend.conjugate(), bend]) * parts[:2] / 2
+                both = np.array([bend, bend.conjugate()])
+                found[1, 0, :, 0] -= both * parts[2:] / (rate + 2)  # chi' = psi by z, and dz = (1 - 2*c*w)*dw
+                found[1, 2, :, 0] -= both.conj() * parts[:2] / 2
         return found
 
     def _after(self, rate: complex, parts: Complexes, bend: complex) -> Complexes | None:

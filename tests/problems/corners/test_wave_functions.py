@@ -125,6 +125,19 @@ def test_at_curved_edges_equations_and_conditions_are_met_to_the_second_order(he
             assert (np.abs(pull) / distance ** (powers - 1))[:, leading].max() < 300 * distance**2
 
 
+def test_deflections_are_zero_with_their_slopes_along_clamped_edges_however_curved():
+    corner = corners(BOTH)[0]
+    for zeros in ((2, 2), (2, 0), (1, 2), (1, 1)):
+        found = wave_functions(BOTH, corner, of_plate(corner, zeros, 0.3), power=5)
+        for edge, count in enumerate(zeros):
+            for distance in (1e-3, 0.1, 0.3):
+                place, _ = on_edge(BOTH, corner, edge, distance)
+                jets = np.abs(found.derivatives(place, 2)[0])
+                assert jets[:count].max(initial=0) < 1e-14
+                assert (jets[1:3].max() < 1e-14) == (count == 2)
+                assert jets[3:].max() > 1e-3
+
+
 def test_polynomials_stand_in_where_weights_have_roots():
     """Those of a held edge y = 0 up to the third degree: y, of both components, times all that is quadratic."""
     ell = rsym.Shape(rsym.conjunction(1 - x**2, 1 - y**2, rsym.disjunction(-x, y)), (x, y))
