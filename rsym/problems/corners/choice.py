@@ -119,14 +119,14 @@ def chosen_corners(
 
 def chosen_waves(
     shape: Shape,
-    conditions: Callable[[PlaneCorner], EdgeConditions],
+    conditions: Callable[[PlaneCorner], EdgeConditions | None],
     *,
     most: int = MOST,
     degree: int = LOW + 1,
 ) -> CornerChoice:
     """At most so many functions of an elastic body or a plate, of corners with the least exponents first.
 
-    conditions : of a corner what holds on its edges.
+    conditions : of a corner what holds on its edges, None where that is not known.
     degree : of the splines beside them.
 
     Examples
@@ -140,9 +140,10 @@ def chosen_waves(
     """
     surveyed, refused = surveyed_corners(shape)
     power = LOW_POWER if degree <= LOW else POWER
-    sharp = [(corner, conditions(corner)) for corner in surveyed if not corner.is_cusp]
-    left = [corner for corner in surveyed if corner.is_cusp]
-    # Logarithms are not among the functions.
+    known = [(corner, None if corner.is_cusp else conditions(corner)) for corner in surveyed]
+    sharp = [(corner, own) for corner, own in known if own is not None]
+    left = [corner for corner, own in known if own is None]
+    # Logarithms beside double exponents are not among the functions.
     left += [corner for corner, own in sharp if not all(one.simple for one in exponents(own.rows, STEEPEST))]
     made = (wave_functions(shape, *one, power=power) for one in sharp)
     every = sorted((part for part in made if part), key=lambda part: (part.terms[0].exponent, part.corner.point))

@@ -72,6 +72,7 @@ class EdgeConditions:
     zeros : of each component how often it is 0 on each of the edges.
     kappa, ways : its components are the displacements Re(way*f(kappa)); without ways it is a plate's deflection.
     turned : whether ways turn as an edge does.
+    forces : what stands in place of 0 in the conditions for constant forces on the edges, times r.
 
     Examples
     --------
@@ -86,6 +87,16 @@ class EdgeConditions:
     kappa: float = SLOPE
     ways: tuple[complex, ...] = ()
     turned: bool = False
+    forces: tuple[float, ...] = ()
+
+    @property
+    def fits(self) -> bool:
+        """Whether a linear displacement takes the forces; else logarithms do."""
+        if not any(self.forces):
+            return True
+        here, wanted = matrix(1.0, self.rows).real, np.array(self.forces)
+        left = here @ np.linalg.lstsq(here, wanted, rcond=SINGULAR)[0] - wanted
+        return bool(np.abs(left).max() <= SINGULAR * np.abs(wanted).max())
 
     @property
     def top(self) -> int:
@@ -124,15 +135,22 @@ class EdgeConditions:
         return None if sizes[-1] < RESONANT * sizes[0] else np.asarray(PARTS @ np.linalg.solve(here, -np.array(left)))
 
 
-def of_body(corner: PlaneCorner, held: Sequence[Sequence[bool]], kappa: float) -> EdgeConditions:
-    """Those of an elastic body, of which is known whether it is held along each coordinate on each edge."""
+def of_body(
+    corner: PlaneCorner, held: Sequence[Sequence[bool]], kappa: float, pulls: Sequence[complex] = (0j, 0j)
+) -> EdgeConditions:
+    """Those of an elastic body, of which is known whether it is held along each coordinate on each edge.
+
+    pulls : the forces on an area at the corner, on each edge, as x + i*y.
+    """
     turn = complex(*corner.edges[0])
     ways = turn, -1j * turn
-    rows = []
-    for theta, both in zip((0.0, corner.angle), held, strict=True):
+    rows, forces = [], []
+    for theta, both, pull in zip((0.0, corner.angle), held, (-pulls[0], pulls[1]), strict=True):
         # f(-1) is the force times a quarter of a turn: that along x is what is across.
         rows += [EdgeRow(theta, kappa, ways[k]) if both[k] else EdgeRow(theta, FORCE, ways[1 - k]) for k in (0, 1)]
-    return EdgeConditions(tuple(rows), tuple((int(held[0][k]), int(held[1][k])) for k in (0, 1)), kappa, ways)
+        forces += [0.0 if held_along else part for held_along, part in zip(both, (pull.real, -pull.imag), strict=True)]
+    zeros = tuple((int(held[0][k]), int(held[1][k])) for k in (0, 1))
+    return EdgeConditions(tuple(rows), zeros, kappa, ways, forces=tuple(forces))
 
 
 def of_plate(corner: PlaneCorner, zeros: tuple[int, int], poisson: float | None) -> EdgeConditions:

@@ -28,6 +28,7 @@ STEEPEST, LEVELS = 2.5, 2
 HIGHEST = 3  # of polynomials, and twice as much more as a plate's deflection has than its slopes
 WHOLE = 1e-9  # exponents so near to a whole number are those of polynomials
 TINY = 1e-9
+SHIFT = 1e-5  # of an exponent, for derivatives: (SHIFT*log(r))**2 is 4e-8 where r is 1e-9
 
 
 class WaveTerm(NamedTuple):
@@ -128,6 +129,12 @@ def _singular(conditions: EdgeConditions, bend: complex, most: float) -> Iterato
             waves = conditions.waves(rate, own, bend)
             waves /= np.abs(waves[0]).max()
             yield from ((rate, part * waves) for part in ((1, -1j) if rate.imag else (1,)))
+    if not conditions.fits:
+        # What a shift of the exponent 1 changes: r*log(r) and r*theta times waves.
+        for own in (
+            way for rate, ways, _ in exponents(conditions.rows, most) if abs(rate - 1) < WHOLE for way in ways.T
+        ):
+            yield 1 + SHIFT * 1j, conditions.waves(1 + SHIFT * 1j, own, bend) * (-1j / SHIFT)
 
 
 def _polynomials(angle: float, conditions: EdgeConditions, orders: int) -> Iterator[tuple[complex, Complexes]]:

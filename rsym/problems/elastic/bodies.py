@@ -226,6 +226,12 @@ class ElasticBody:
             return young * poisson / ((1 + poisson) * (1 - 2 * poisson)), shear
         return young * poisson / (1 - poisson**2), shear
 
+    def kolosov(self, points: Floats) -> Floats:
+        """Kolosov's number at points; NaN where Poisson's ratio is none."""
+        nu = value_at(self.shape, self.poisson, points)
+        nu = np.where((nu > -1) & (nu <= 0.5), nu, np.nan)
+        return np.asarray(3 - 4 * nu if self.plane == STRAIN else (3 - nu) / (1 + nu))
+
     def traction(self, leaf: int, points: Floats, normals: Floats) -> Floats | None:
         """The force (2, n) on an area at points of a leaf; None where none is given."""
         condition = self.condition(leaf)
@@ -245,9 +251,15 @@ def with_corners(body: ElasticBody, degree: int) -> ElasticBody:
     if len(body.form.leaves) < 2:
         return body
 
-    def conditions(corner: PlaneCorner) -> EdgeConditions:
-        first, shear = (float(one[0]) for one in body.moduli(np.array([corner.point])))
+    def conditions(corner: PlaneCorner) -> EdgeConditions | None:
+        point, pulls = np.array([corner.point]), []
+        for leaf, slope in zip(corner.leaves, np.array(corner.gradients), strict=True):
+            force = body.traction(leaf, point, -slope[None] / np.hypot(*slope))
+            pulls.append(0j if force is None else complex(*force[:, 0]))
+        kappa = float(body.kolosov(point)[0])
+        if not np.isfinite([kappa, *map(abs, pulls)]).all():
+            return None
         held = [[any(leaf in own for own in held.values()) for held in body.held] for leaf in corner.leaves]
-        return of_body(corner, held, (first + 3 * shear) / (first + shear))
+        return of_body(corner, held, kappa, pulls)
 
     return replace(body, corners=chosen_waves(body.shape, conditions, degree=degree))
