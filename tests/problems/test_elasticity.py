@@ -367,6 +367,18 @@ def test_functions_at_corners_pickle_and_take_letters():
     np.testing.assert_allclose(other(0.9, 0.8), direct(0.9, 0.8), rtol=1e-10)
 
 
+def test_estimates_where_cells_are_wider_than_functions_at_corners_reach():
+    """Two corners 0.12 apart where a bite that is free ends on a held edge."""
+    held = (rsym.disc(1) & rsym.half_plane((-0.772, -0.636), 0.173)).named("held")
+    given = {"shape": held - rsym.disc(sp.Rational(1, 3), (0.2, 0)), "conditions": {"held": rsym.fixed()}}
+    found = rsym.elasticity(**given, young=1, poisson=0.3, loads=(1, -1), cells=16)
+    fine = rsym.elasticity(**given, young=1, poisson=0.3, loads=(1, -1), cells=36, degree=5, estimate=False)
+    points, weights = found.rule.points, found.rule.weights
+    apart = np.sum((found(*points.T) - fine(*points.T)) ** 2, axis=1)
+    largest = np.sqrt(np.max(np.sum(fine(*points.T) ** 2, axis=1)))
+    assert np.sqrt(weights @ apart / weights.sum()) / largest < 3 * found.report.estimate
+
+
 def test_corners_without_functions_are_told():
     with pytest.warns(rsym.RsymWarning, match="the error of displacements"):
         found = rsym.elasticity(PAIR, {"a": rsym.fixed()}, young=1, poisson=0.3, loads=(0, -1), cells=16, corners=False)
