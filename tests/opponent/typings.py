@@ -131,8 +131,7 @@ def area(shape, scale):
     return float(rsym.measure(shape).area) / scale**2
 
 
-# Of elastic bodies edges that are bent beside corners want more cells.
-QUESTIONS = {drum: NEAR, integral: NEAR, rigidity: NEAR, energy: 0.03, area: 1e-9}
+QUESTIONS = {drum: NEAR, integral: NEAR, rigidity: NEAR, energy: NEAR, area: 1e-9}
 
 
 def asked(case):
