@@ -110,7 +110,7 @@ def with_families(
         if border is None:
             return []
         made = [
-            replace(border(where), tests=tests.tests).columns(
+            replace(border(where), tests=(tests.tests,)).columns(
                 transposed(form) if turned else form, symmetric=False, among=False
             )
             for where, form in forms
