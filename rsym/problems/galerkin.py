@@ -5,10 +5,11 @@ Conditions on fluxes are integrals along the boundary.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
 from itertools import product
+from operator import add
 from typing import Any
 
 import numpy as np
@@ -308,19 +309,22 @@ class Discretisation:
     @cached_property
     def matrix(self) -> sparse.csr_matrix:
         """Of all functions: inner splines, then the others."""
-        symmetric = self.problem.equation.symmetric
-        own = self.assembler.matrix(self.inside, self.equation_form, self.tests, symmetric=symmetric)
-        for part in self.edge_parts:
-            if part.has_form:
-                own = own + self.assembler.matrix(part.where, part.form_at, self.tests, symmetric=part.symmetric)
-        return self._bordered(extended(self.splines, own), self.forms, symmetric)
+        return self.of_forms(self.forms(), self.problem.equation.symmetric)
+
+    def of_forms(self, forms: Sequence[tuple[CellPoints, FormAt]], symmetric: bool = True) -> sparse.csr_matrix:
+        """The matrix of all functions of a sum of forms."""
+        own = reduce(add, (self.assembler.matrix(*form, self.tests, symmetric=symmetric) for form in forms))
+        bordered = self._with_extras(extended(self.splines, own), forms, symmetric)
+        if len(self.families) == 1:
+            return bordered
+        border = self.border if self.extra_count else None
+        return with_families(bordered, self.families, self.assembler, forms, border, symmetric)
 
     def mass(self, density: sp.Expr | Callable[..., Any] = sp.S.One) -> sparse.csr_matrix:
         """Of the products of functions."""
         values = value_at(self.problem.shape, density, self.rule.points) * self.rule.weights
         form = at_values(values * self.problem.radius(self.rule.points), self.kinds)
-        own = self.assembler.matrix(self.inside, form, self.tests)
-        return self._bordered(extended(self.splines, own), lambda: [(self.inside, form)], True)
+        return self.of_forms([(self.inside, form)])
 
     @cached_property
     def right(self) -> Floats:
@@ -359,26 +363,17 @@ class Discretisation:
         beside = [self.border(where).loads(load, count)] if self.extra_count else []
         return np.concatenate((own, *beside, *folds), axis=1)
 
-    def _bordered(
-        self, own: sparse.csr_matrix, forms: Callable[[], list[tuple[CellPoints, FormAt]]], symmetric: bool
-    ) -> sparse.csr_matrix:
-        """With the rows and columns of the other functions."""
-        bordered = self._with_extras(own, forms, symmetric)
-        if len(self.families) == 1:
-            return bordered
-        border = self.border if self.extra_count else None
-        return with_families(bordered, self.families, self.assembler, forms(), border, symmetric)
-
     def _with_extras(
-        self, own: sparse.csr_matrix, forms: Callable[[], list[tuple[CellPoints, FormAt]]], symmetric: bool
+        self, own: sparse.csr_matrix, forms: Sequence[tuple[CellPoints, FormAt]], symmetric: bool
     ) -> sparse.csr_matrix:
+        """With the rows and columns of functions of corners and levels."""
         count = self.extra_count
         if not count:
             return own
         active = len(self.splines.active)
         columns = sparse.csr_matrix((active + count, count))
         rows = sparse.csr_matrix((active, count))
-        for where, form in forms():
+        for where, form in forms:
             border = self.border(where)
             columns = columns + border.columns(form, symmetric=symmetric)
             if not symmetric:

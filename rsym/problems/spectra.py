@@ -38,7 +38,7 @@ from rsym.problems.refinement import (
 from rsym.problems.solution import Solution, with_rule
 from rsym.problems.solution_report import reported
 from rsym.problems.solving import checked_degree, missed, problem_of
-from rsym.problems.systems.forms import CellPoints, extended
+from rsym.problems.systems.forms import CellPoints
 from rsym.problems.systems.linear import Solved, eigenpairs, rank
 from rsym.reports.words import plural
 from rsym.sampling.progress import Progress
@@ -243,7 +243,7 @@ def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
         _require_mass(value_at(shape, inside, discrete.rule.points), "the shape")
         return discrete.mass(inside)
     boundary = discrete.rule.boundary
-    total = 0
+    forms = []
     for part, density in mass.items():
         on = on_part(discrete.problem, boundary, part)
         where = CellPoints(np.ascontiguousarray(boundary.points[on]), boundary.cells[on])
@@ -251,8 +251,8 @@ def _masses(discrete: Discretisation, mass: Any) -> sparse.csr_matrix:
         values = value_at(shape, value, where.points)
         _require_mass(values, repr(part))
         weights = boundary.weights[on] * discrete.problem.radius(where.points) * values
-        total = total + discrete.assembler.matrix(where, at_values(weights, discrete.kinds), discrete.tests)
-    return extended(discrete.splines, total)
+        forms.append((where, at_values(weights, discrete.kinds)))
+    return discrete.of_forms(forms)
 
 
 def _density(mass: Any) -> Any:

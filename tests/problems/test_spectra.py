@@ -52,6 +52,14 @@ def test_a_tank_sloshes():
     np.testing.assert_allclose(found, exact, rtol=1e-6, atol=1e-9)
 
 
+def test_a_tank_with_a_step_sloshes():
+    """Functions of the corner have a mass on the surface too."""
+    step = rsym.polygon([(0, 0), (2, 0), (2, 2), (1, 2), (1, 1), (0, 1)])
+    tank = step & rsym.half_plane((0, -1), -1.75).named("surface")
+    found, plain = (rsym.modes(tank, 2, {}, mass={"surface": 1}, cells=24, corners=own).values for own in (True, False))
+    np.testing.assert_allclose(found, plain, rtol=2e-3, atol=1e-9)
+
+
 def test_density_and_tolerance():
     heavy = rsym.modes(rsym.disc(1), 1, mass=4, tolerance=1e-9)
     assert abs(heavy.values[0] * 4 / DRUM - 1) < 1e-9
