@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from rsym.language.expressions import ExpressionParser
 from rsym.language.scanner import Cursor, scan
 from rsym.language.syntax import ARITIES, EquationStatement, Expression, Position
@@ -22,7 +20,6 @@ OPERATORS: dict[str, tuple[int, int | None]] = {
 _EXAMPLE = 'for example "-div(k*grad(u)) + c*u = f"'
 
 
-@lru_cache(16)  # the same text again, as of other letters
 def parse_equation(text: str) -> tuple[Expression, Expression]:
     """The two sides of an equation.
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -130,7 +131,19 @@ def equation_of(
     >>> equation_of(sp.Eq(-u.diff(x, 2) - u.diff(y, 2) + u, x), (x, y)) == equation_of("-laplacian(u) + u = x", (x, y))
     True
     """
-    functions, meanings = meanings_of(named or {})
+    names = tuple((named or {}).items())
+    if isinstance(given, str) and all(isinstance(value, sp.Symbol) for _, value in names):
+        return _read(given, coordinates, names)
+    return _stated(given, coordinates, dict(names))
+
+
+@lru_cache(16)  # the same text again, as of other letters
+def _read(text: str, coordinates: tuple[sp.Symbol, ...], names: tuple[tuple[str, Any], ...]) -> EllipticEquation:
+    return _stated(text, coordinates, dict(names))
+
+
+def _stated(given: Any, coordinates: tuple[sp.Symbol, ...], named: Mapping[str, Any]) -> EllipticEquation:
+    functions, meanings = meanings_of(named)
     calculus = TermCalculus(coordinates, frozenset(map(real_symbol, functions)))
     if isinstance(given, WrittenEquation):
         meanings = {**given.meanings, **meanings}

@@ -36,9 +36,10 @@ def posed(problem: Problem) -> Problem:
     given = problem.named if problem.given is None else problem.given
     named, off = as_formulas(problem.shape, given)
     problem = replace(problem, named=named, given=given, off=off)
-    sources = [problem.equation.expressions[name] for name in problem.equation.load_places.values()]
-    for source in sources:
-        require_integrable(problem.shape, source, "the right side", problem.equation.functions)
+    equation = problem.equation
+    for source in (equation.expressions[name] for name in equation.load_places.values()):
+        if source.free_symbols:
+            require_integrable(problem.shape, source, "the right side", equation.functions)
     conditions = _with_divided(problem)
     on_axis = _on_axis(problem)
     names = assigned(problem.shape, problem.named) if on_axis else ()

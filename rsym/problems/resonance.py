@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rsym.arrays import Floats, Ints
-from rsym.problems.combinations import add_beside, weighted
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.problem import beside_at
+from rsym.problems.splines.evaluation import weighted
 from rsym.problems.systems.borders import BesideAt
 from rsym.problems.systems.forms import CellPoints, single_load
 from rsym.problems.systems.iterations import SEED
@@ -93,7 +93,7 @@ class SampledFunctions:
         weights = problem.interfaces.weights(problem.weight(order)(points), points, order)
         found = weighted(splines, coefficients, weights, points, order)
         functions = self._beside if points is self.where.points else beside_at(problem, points, order)
-        add_beside(functions, others, found)
+        functions.add_to(found, others)
         return found
 
     def length(self, values: Floats) -> float:

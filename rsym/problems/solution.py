@@ -18,7 +18,6 @@ from rsym.errors import RsymError, warn
 from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
-from rsym.problems.combinations import add_beside, weighted
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
@@ -35,6 +34,7 @@ from rsym.problems.refinement import on_fewer
 from rsym.problems.resonance import SampledFunctions, resonance, surely_regular
 from rsym.problems.solution_report import SolutionReport, reported
 from rsym.problems.splines.cardinals import derivatives
+from rsym.problems.splines.evaluation import weighted
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import BesideAt
 from rsym.problems.systems.linear import SINGULAR, nearly_singular, solve_system
@@ -146,9 +146,9 @@ class Solution:
             if lift is not None:
                 found[:, some] += with_limits(lift, here, self.inside, self._size)
             if functions is None:
-                add_beside(beside_at(self.problem, here, order), self.others, found[:, some])
+                beside_at(self.problem, here, order).add_to(found[:, some], self.others)
         if functions is not None:
-            add_beside(functions, self.others, found)
+            functions.add_to(found, self.others)
         return found
 
     @property

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from rsym.arrays import Floats
 from rsym.model.shape import Shape
-from rsym.problems.combinations import add_beside
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import STRAIN, ElasticBody, with_corners
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
@@ -114,7 +113,7 @@ class ElasticSolution:
         for first in range(0, len(points), AT_ONCE):
             some = slice(first, first + AT_ONCE)
             here = found[:, :, some].reshape(6, -1)
-            add_beside(self.body.beside_at(points[some]), self.others, here)
+            self.body.beside_at(points[some]).add_to(here, self.others)
             found[:, :, some] = here.reshape(2, 3, -1)
         return found
 

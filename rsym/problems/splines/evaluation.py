@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from rsym.arrays import Floats, Ints
-from rsym.problems.splines.cardinals import derivatives, digits, pieces
+from rsym.problems.splines.cardinals import derivatives, digits, multiplied, pieces
 from rsym.problems.splines.web import WebSplines
 from rsym.sampling.compiled import loop, step
 
@@ -50,6 +50,18 @@ def jets(splines: WebSplines, coefficients: Floats, points: Floats, order: int) 
         own = np.ascontiguousarray(coefficients[:, splines.numbers.ravel()])
         add(split, first, (wide * len(splines.split), *[wide] * (dimension - 1)), own)
     return np.ascontiguousarray(found.transpose(1, 2, 0))
+
+
+def weighted(splines: WebSplines, coefficients: Floats, weights: Floats, points: Floats, order: int) -> Floats:
+    """The derivatives (kinds, n) up to an order, at points, of weights times sums of active splines, together.
+
+    coefficients, weights : (families, active), or (active,) of the only one, and the derivatives (families, kinds, n).
+    """
+    sums = jets(splines, np.atleast_2d(coefficients), points, order).transpose(1, 0, 2)
+    found = multiplied(weights[0], sums[0], points.shape[1], order)
+    for weight, phi in zip(weights[1:], sums[1:], strict=True):
+        found += multiplied(weight, phi, points.shape[1], order)
+    return found
 
 
 @step

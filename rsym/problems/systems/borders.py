@@ -70,6 +70,11 @@ class BesideAt:
             self._kept[number] = one.derivatives(self.points[one.where], self.order)
         return self._kept[number][some]
 
+    def add_to(self, found: Floats, numbers: Floats) -> None:
+        """Add the derivatives of their sum, with numbers, to some (kinds, n), in place."""
+        for number, one in enumerate(self.beside):
+            found[:, one.where] += (self.of(number)[:, : len(found)] @ numbers[one.numbers]).T
+
 
 @dataclass(frozen=True)
 class SystemBorder:
