@@ -76,13 +76,15 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping:
             data[name] = (sp.S.Zero,)
         elif isinstance(condition, Dirichlet | Clamped | Supported):
             data[name] = tuple(_expression(shape, value, name) for value in condition.values)
-    if all(len(given) == 1 for given in data.values()) and any(symbols_of(given[0]) for given in data.values()):
-        kept = kept_to_boundary(shape, {name: given[0] for name, given in data.items()})
-        rough = ["the rest" if name is ... else repr(name) for name, value in kept.items() if data[name][0] != value]
-        how = (
-            (f"Values on {listing(rough)} are kept to the boundary: their formulas are rough inside.",) if rough else ()
-        )
-        data = {name: (value,) for name, value in kept.items()}
+    for place, what in enumerate(("Values", "Slopes")):
+        some = {name: given[place] for name, given in data.items() if len(given) > place}
+        if any(symbols_of(value) for value in some.values()):
+            kept = kept_to_boundary(shape, some)
+            rough = ["the rest" if name is ... else repr(name) for name, value in kept.items() if some[name] != value]
+            told = f"{what} on {listing(rough)} are kept to the boundary: their formulas are rough inside."
+            how += (told,) if rough else ()
+            for name, value in kept.items():
+                data[name] = (*data[name][:place], value, *data[name][place + 1 :])
     values = {given[0] for given in data.values()}
     if len(values) < 2:
         value = values.pop() if values else sp.S.Zero
@@ -90,7 +92,7 @@ def lift_of(shape: Shape, conditions: Mapping[Name, BoundaryCondition], jumping:
         if all(len(given) == 1 or (level and given[1] == 0) for given in data.values()):
             return Lift(value, how)
     if any(len(given) > 1 for given in data.values()):
-        return Lift(interpolate(shape, data).expression, ("Values and slopes go inside by distances from parts.",))
+        return Lift(interpolate(shape, data).expression, (*how, "Values and slopes go inside by distances from parts."))
     made = lift_on(parts_of(shape, data), {name: given[0] for name, given in data.items()}, {}, jumping)
     return Lift(made.expression, how + made.how)
 

@@ -102,6 +102,16 @@ def test_values_and_slopes_on_clamped_edges():
     np.testing.assert_allclose(found([0.3, -0.5], [0.2, 0.1]), np.exp([0.3, -0.5]) * np.cos([0.2, 0.1]), rtol=1e-8)
 
 
+def test_slopes_whose_formula_has_a_pole_inside():
+    """A normal by the gradient of a leaf has none in the middle, where nobody gave a slope."""
+    leaf, u = 1 - x**2 - 2 * y**2, sp.exp(x) * sp.cos(y)
+    slope = [leaf.diff(one) for one in (x, y)]
+    outward = -(slope[0] * u.diff(x) + slope[1] * u.diff(y)) / sp.sqrt(slope[0] ** 2 + slope[1] ** 2)
+    found = rsym.solve(rsym.Shape(leaf, (x, y)), "bilaplacian(u) = 0", rsym.clamped(u, outward), cells=24)
+    apart = found.jets(found.rule.points, 0)[0] - sp.lambdify((x, y), u)(*found.rule.points.T)
+    assert np.abs(apart).max() < 2e-3
+
+
 def test_round_plates_ring():
     """(beta*r)**2: J_0 I_1 + I_0 J_1 = 0, and J_1/J_0 + I_1/I_0 = 2 beta/(1 - nu) of the least of each."""
     clamped = brentq(lambda b: jv(0, b) * iv(1, b) + iv(0, b) * jv(1, b), 3, 3.5, xtol=1e-15) ** 4
