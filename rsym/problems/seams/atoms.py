@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -137,6 +138,25 @@ class SignAtoms:
         """Values and gradients (atoms, 1 + dim, n) at points (n, dim)."""
         with np.errstate(all="ignore"):
             return self._formulas(points).reshape(self.count, 1 + self.shape.dimension, len(points))
+
+    @cached_property
+    def never(self) -> list[tuple[int, int, int, int]]:
+        """Signs that two atoms have nowhere, zeros like them: (atom, sign, other atom, its sign).
+
+        Of f = a*g + d with a constant d > 0 there is no place where f <= 0 and a*g >= 0.
+        """
+        low, high = np.array(self.box, float).T
+        values = self.at(low + np.random.default_rng(35).uniform(0, 1, (16, len(low))) * (high - low))
+        found = []
+        for one, other in combinations(range(self.count), 2):
+            f, g = values[one], values[other]
+            with np.errstate(all="ignore"):
+                times = np.vdot(g[1:], f[1:]) / np.vdot(g[1:], g[1:])
+            left = f - times * g
+            sign = int(np.sign(left[0, 0]))
+            if sign and np.abs(left[1:]).max() <= ALIKE * np.abs(f[1:]).max() and np.ptp(left[0]) <= ALIKE * self.size:
+                found.append((one, -sign, other, sign * int(np.sign(times))))
+        return found
 
     def signs(self, points: Floats) -> Signs:
         """The signs of the atoms (atoms, n) at points."""

@@ -1,10 +1,11 @@
 """The proof that clauses have the sign of a form and are zero on the boundary alone.
 
-Over a box atoms have signs that are proved, or are open. For all signs that the open ones may have, zeros among them,
-the clauses, of which a zero is false, have to hold exactly where the form does for each sign that the zeros may turn
-into. That is a question of logic, and one box answers it for much of a shape; others are halved. What is left are boxes
-around points where several atoms meet, whose signs hang on each other. There the germ is looked at: on circles about
-the point all atoms that pass are put in the order of their angles, which is the same on circles of two sizes.
+Over a box atoms have signs that are proved, or are open. For all signs that the open ones may have together, zeros
+among them, the clauses, of which a zero is false, have to hold exactly where the form does for each sign that the zeros
+may turn into. That is a question of logic, and one box answers it for much of a shape; others are halved. What is left
+are boxes around points where several atoms meet, whose signs hang on each other. There the germ is looked at: on
+circles about the point all atoms that pass are put in the order of their angles, which is the same on circles of two
+sizes.
 """
 
 from __future__ import annotations
@@ -125,7 +126,10 @@ class _Checked:
         for axis in range(len(open_)):  # a zero holds where both signs do
             parts = np.moveaxis(table, axis, 0)
             parts[2] = parts[0] & parts[1]
-        return bool(np.array_equal(table.ravel(), self.holds(every)))
+        there = np.ones(every.shape[1], np.bool_)
+        for one, sign, other, with_it in self.atoms.never:
+            there &= (every[one] * sign < 0) | (every[other] * with_it < 0)
+        return bool(np.array_equal(form[there], self.holds(every[:, there])))
 
     def germ(self, place: Floats, side: float) -> bool:
         """Whether the clauses hold where the form does all about a place where atoms meet."""
