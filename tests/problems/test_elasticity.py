@@ -238,6 +238,8 @@ def test_without_cells_the_tolerance_is_met():
         ({"rim": 0}, {"poisson": 0.5, "plane": "strain"}, "material", "0.5"),
         ({"rim": 0}, {"young": -x}, "material", "Young"),
         ({"rim": 0}, {"poisson": None}, "material", "not given"),
+        ({"rim": 0, "bore": rsym.traction((sp.sqrt(x - y), 0))}, {}, "undefined", "'bore' is undefined at"),
+        ({"rim": 0}, {"loads": (0, sp.log(x - y))}, "undefined", "volume is undefined at"),
         ({"rim": 0}, {"plane": "strees"}, "plane", "strees"),
         ({"rim": {"x": 1}, "bore": rsym.traction(), ...: rsym.roller()}, {}, "condition", "only some sides"),
         ({"rim": {"x": 1 + x}, "below": {"x": x, "y": 0}}, {}, "contradiction", "meet"),

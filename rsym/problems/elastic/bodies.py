@@ -26,7 +26,7 @@ from rsym.problems.equations import equation_of
 from rsym.problems.given_functions import as_formulas
 from rsym.problems.left_behind import portable
 from rsym.problems.like_slopes import of_like_slopes
-from rsym.problems.pointwise import PointFormulas, compiled, first_place, with_derivatives
+from rsym.problems.pointwise import PointFormulas, compiled, first_place, require_numbers, with_derivatives
 from rsym.problems.problem import Problem, value_at
 from rsym.problems.seams.seamless import Seamless
 from rsym.problems.shares import jumps_in
@@ -235,15 +235,20 @@ class ElasticBody:
     def traction(self, leaf: int, points: Floats, normals: Floats) -> Floats | None:
         """The force (2, n) on an area at points of a leaf; None where none is given."""
         condition = self.condition(leaf)
+        if not isinstance(condition, Pressure | Traction):
+            return None
         if isinstance(condition, Pressure):
-            return -value_at(self.shape, condition.pressure, points) * normals.T
-        if isinstance(condition, Traction):
-            return np.array([value_at(self.shape, value, points) for value in condition.force])
-        return None
+            force = -value_at(self.shape, condition.pressure, points) * normals.T
+        else:
+            force = np.array([value_at(self.shape, value, points) for value in condition.force])
+        require_numbers(f"the force on {self._called(leaf)}", force.sum(axis=0), points)
+        return force
 
     def load(self, points: Floats) -> Floats:
         """The force (2, n) on a volume."""
-        return np.array([value_at(self.shape, value, points) for value in self.loads])
+        force = np.array([value_at(self.shape, value, points) for value in self.loads])
+        require_numbers("the force on a volume", force.sum(axis=0), points)
+        return force
 
 
 def with_corners(body: ElasticBody, degree: int) -> ElasticBody:
