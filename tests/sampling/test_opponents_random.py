@@ -3,12 +3,41 @@
 import os
 
 import pytest
-from opponent import fields, lengths, measures, parted, pictures, steps, thin, typings, undefined, windows
+from opponent import (
+    elastic,
+    fields,
+    lengths,
+    measures,
+    parted,
+    pictures,
+    plates,
+    ranging,
+    solids,
+    steps,
+    thin,
+    typings,
+    undefined,
+    windows,
+)
 
 SEED = int(os.environ.get("RSYM_TEST_SEED", "0"))
 OPPONENTS = {
     one.__name__.rpartition(".")[2]: one
-    for one in (fields, lengths, measures, parted, pictures, steps, thin, typings, undefined, windows)
+    for one in (
+        elastic,
+        fields,
+        lengths,
+        measures,
+        parted,
+        pictures,
+        plates,
+        ranging,
+        steps,
+        thin,
+        typings,
+        undefined,
+        windows,
+    )
 }
 
 
@@ -28,3 +57,8 @@ def test_what_is_below_a_cell_is_right_or_told(seed):
 @pytest.mark.parametrize("seed", [0, 9, 14, 23], ids=["ring", "triangle", "L", "hexagon"])
 def test_parts_that_overlap_by_little_are_one(seed):
     assert typings.asked(typings.case(seed))[1] == []
+
+
+@pytest.mark.parametrize("seed", [3, 10, 32, 44], ids=["cylinder", "box", "bored in halves", "leaves cubed"])
+def test_solutions_in_space_are_within_what_is_said_of_them(seed):
+    assert solids.asked(solids.case(seed))[1] == []
