@@ -5,6 +5,7 @@ A mean fixes the level where sources and fluxes balance.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -20,6 +21,7 @@ from rsym.errors import RsymError
 from rsym.logic.inside import inside_kernel
 from rsym.logic.sign_form import shape_builder
 from rsym.model.symbols import symbols_of
+from rsym.problems.corners.corners import surveyed_corners
 from rsym.problems.equations import EllipticEquation
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.places import has_poles
@@ -33,6 +35,7 @@ from rsym.sampling.rules.sides import pieces_of
 
 BALANCE = 1e-6  # of all sources and fluxes
 DEPTH, MOST = 10, 1 << 14  # halvings of cells, and boxes
+BEYOND = 1 + 1e-6  # of an angle: corners are known to rounding
 KINKED = (sp.Piecewise, sp.Abs, sp.sign, sp.Heaviside, sp.Max, sp.Min, sp.floor, sp.ceiling)
 
 
@@ -204,3 +207,32 @@ def is_kinked(problem: Problem) -> bool:
     every = [value for value in given if isinstance(value, sp.Expr)]
     kinked = any(isinstance(part, KINKED) for value in every for part in sp.preorder_traversal(value))
     return kinked or bool(problem.interfaces.doubts) or has_poles(problem)
+
+
+def bare_corners(problem: Problem) -> int:
+    """How many corners in the plane make solutions rough, and have no functions of their own.
+
+    Of plates, and where an equation diffuses differently in different directions, none has. Rough are those which point
+    inwards, and beyond a right angle those with one edge that is held and another that is not; of plates, those where
+    not both are clamped.
+    """
+    if problem.corners is not None:
+        return len(problem.corners.left) + len(problem.corners.refused)
+    if problem.dimension != 2 or len(problem.form.leaves) < 2:
+        return 0
+    try:
+        corners, refused = surveyed_corners(problem.shape)
+    except RsymError:
+        return 0
+    fast = Clamped if problem.order == 2 else VALUED
+    found = len(refused)
+    for corner in corners:
+        held = {isinstance(problem.conditions[leaf], fast) for leaf in corner.leaves}
+        alike = held == {True} or (held == {False} and problem.order == 1)
+        found += corner.angle > BEYOND * (math.pi if alike else math.pi / 2)
+    return found
+
+
+def is_slow(problem: Problem) -> bool:
+    """Whether errors fall as cells do, or little faster: for data with kinks, at corners that have no functions."""
+    return is_kinked(problem) or bare_corners(problem) > 0

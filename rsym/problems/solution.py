@@ -22,7 +22,15 @@ from rsym.problems.equations import EllipticEquation
 from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
 from rsym.problems.galerkin import Discretisation
-from rsym.problems.guards import beyond_data, inward_edges, is_kinked, require_elliptic, require_level, solved_with_mean
+from rsym.problems.guards import (
+    bare_corners,
+    beyond_data,
+    inward_edges,
+    is_slow,
+    require_elliptic,
+    require_level,
+    solved_with_mean,
+)
 from rsym.problems.interfaces import NO_INTERFACES
 from rsym.problems.limits import with_limits
 from rsym.problems.places import inside, on_shape, rule_for
@@ -329,21 +337,21 @@ def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int, es
 def estimated(solution: Solution, functions: BesideAt | None = None) -> tuple[float, float, str]:
     """How far one degree less is away, in the root of the mean square, as a share of the largest value; and at worst.
 
-    Where errors are amplified, or data have kinks, also how far fewer cells are away, with a rule of their own: beside
-    corners without functions, or edges in space, degrees differ by less than they are wrong, and kinks on interfaces
-    may be as wrong for both. Of the least degree one more.
+    Where errors are amplified or fall slowly also how far fewer cells are away, with a rule of their own: beside
+    corners without functions, or edges in space, degrees differ by less than they are wrong, by a tenth, and kinks on
+    interfaces may be as wrong for both. Of the least degree one more.
     """
     problem, rule, cells, highest = solution.problem, solution.rule, solution.report.cells, solution.report.degree
     degree = highest + (-1 if highest > problem.order else 1)
     other = solved(problem, rule, cells, degree, functions, measured=False)
     values, lower = (one.jets(rule.points, 0, functions)[0] for one in (solution, other))
     means = [(SLOWLY if inward_edges(problem) else 1.0) * (values - lower)]
-    if (kinked := is_kinked(problem)) or solution.report.amplified or problem.interfaces.functions:
+    if (slow := is_slow(problem)) or solution.report.amplified or problem.interfaces.functions:
 
         def found(fewer: int) -> Solution:
             return solved(problem, rule_for(problem, fewer, rule.order - 1), fewer, highest, measured=False)
 
-        means.append((SLOWLY if kinked else 1.0) * (values - on_fewer(found, cells).jets(rule.points, 0)[0]))
+        means.append((SLOWLY if slow else 1.0) * (values - on_fewer(found, cells).jets(rule.points, 0)[0]))
     if (largest := float(np.max(np.abs(values)))) == 0:
         return 0.0, 0.0, ""
     away = np.abs(means[0])
@@ -392,6 +400,8 @@ def solved(
             beside=lambda: discrete.lift_size,
         )
     told = reported(rule, cells, degree, found).of_problem(problem)
+    if measured and problem.corners is None:
+        told = replace(told, left=bare_corners(problem))
     if measured and found.again is not None and not regular:
         amplification, rounding = resonance(sampled, found.again)
         if not rounding <= SINGULAR:

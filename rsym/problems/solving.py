@@ -19,7 +19,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, with_letters_of
 from rsym.problems.cornered import with_corners
 from rsym.problems.equations import equation_of
-from rsym.problems.guards import is_kinked
+from rsym.problems.guards import is_slow
 from rsym.problems.peaks import of_problem, unseen
 from rsym.problems.places import rule_for, rule_order
 from rsym.problems.plates import checked_ratio, require_edges
@@ -157,7 +157,7 @@ def answered(
         degree,
         wanted,
         progress,
-        beside=problem.has_corners or is_kinked(problem) or bool(problem.interfaces.functions),
+        beside=problem.has_corners or is_slow(problem) or bool(problem.interfaces.functions),
         why=lambda made: made.report.nearness,
     )
     told = replace(found.report, estimate=grades[-1].estimate, grades=grades)

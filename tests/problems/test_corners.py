@@ -263,3 +263,25 @@ def test_corners_of_any_opening_with_mixed_conditions(opening, error):
     r, share = np.array([[0.5, 0.3], [0.1, 0.5], [0.001, 0.9]]).T
     place, values = (r * np.cos(share * opening), r * np.sin(share * opening)), r**rate * np.sin(rate * share * opening)
     assert np.abs(found(*place) - values).max() < error < np.abs(plain(*place) - values).max() / 3
+
+
+PAIR = rsym.disc(1).named("a") | rsym.disc(1, (1, 0)).named("b")
+
+
+@pytest.mark.parametrize(
+    ("equation", "conditions", "more", "cells"),
+    [
+        ("-div(K*grad(u)) = 1", {"a": 0}, {"letters": {"K": [[1, 0], [0, 10]]}}, 16),
+        ("bilaplacian(u) = 1", rsym.clamped(), {}, 48),
+    ],
+    ids=["different directions", "plate"],
+)
+def test_errors_at_corners_without_functions_are_estimated_by_fewer_cells(equation, conditions, more, cells):
+    """Two degrees share the error that corners which point inwards leave: a tenth of it is their difference."""
+    found = rsym.solve(PAIR, equation, conditions, **more, cells=cells)
+    fine = rsym.solve(PAIR, equation, conditions, **more, cells=96, degree=5, estimate=False)
+    values, truth = (one.jets(found.rule.points, 0)[0] for one in (found, fine))
+    error = np.sqrt(np.average((values - truth) ** 2, weights=found.rule.weights)) / np.abs(truth).max()
+    assert error < 2 * found.report.estimate < 20 * error
+    assert found.report.left == 2
+    assert "2 corners without such functions" in str(found.report)
