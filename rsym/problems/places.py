@@ -122,7 +122,7 @@ def _require_no_gap(gap: Gap | None, grid: CellGrid, cells: int) -> None:
     """Refuse cells that do not resolve a gap; warn of a contact."""
     if gap is None:
         return
-    place = ", ".join(f"{round(value / grid.size, 3) * grid.size:.4g}" for value in gap.point)
+    place = ", ".join(f"{round(value / grid.size, 3) * grid.size + 0.0:.4g}" for value in gap.point)
     sides = f"'{gap.parts[0]}' and '{gap.parts[1]}'" if len(set(gap.parts)) == 2 else f"places of '{gap.parts[0]}'"
     if gap.width == 0:
         warn(

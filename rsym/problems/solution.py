@@ -19,26 +19,17 @@ from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.equations import EllipticEquation
+from rsym.problems.estimates import Error, error_of
 from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
 from rsym.problems.galerkin import Discretisation
-from rsym.problems.guards import (
-    bare_corners,
-    beyond_data,
-    inward_edges,
-    is_slow,
-    require_elliptic,
-    require_level,
-    solved_with_mean,
-)
+from rsym.problems.guards import require_elliptic, require_level, solved_with_mean
 from rsym.problems.interfaces import NO_INTERFACES
 from rsym.problems.limits import with_limits
 from rsym.problems.places import inside, on_shape, rule_for
-from rsym.problems.pointwise import first_place
 from rsym.problems.posing import posed_again
 from rsym.problems.printed import printed
 from rsym.problems.problem import Problem, beside_at, on_cells, oriented
-from rsym.problems.refinement import on_fewer
 from rsym.problems.resonance import SampledFunctions, resonance, surely_regular
 from rsym.problems.solution_report import SolutionReport, reported
 from rsym.problems.splines.cardinals import derivatives
@@ -54,9 +45,6 @@ from rsym.sampling.stills import line_picture
 
 AT_ONCE = 1 << 18  # points
 SKETCHED, SKETCH = 6, 72  # level lines in a notebook, on a lattice of so many cells
-# An error that falls as cells do is three times its difference from that on three quarters of the cells; at edges that
-# point inwards, up to 3.3 times that from one degree less (a thick L, data of x**2 - y**2 + x*z).
-SLOWLY = 3.0
 # An estimated error: of an answer with a larger one next to nothing is known. Layers thinner than cells are little in
 # the mean: where an edge takes 3e-3 of the size, errors are a tenth in some place of 48 cells, and a hundredth in it.
 SURE = 0.05
@@ -334,30 +322,16 @@ def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int, es
     return with_rule(replace(made, report=replace(report, estimate=error)), rule)
 
 
-def estimated(solution: Solution, functions: BesideAt | None = None) -> tuple[float, float, str]:
-    """How far one degree less is away, in the root of the mean square, as a share of the largest value; and at worst.
+def estimated(solution: Solution, functions: BesideAt | None = None) -> Error:
+    """Its error, by other solutions; `functions` are those beside splines at the points of its rule."""
+    problem, own = solution.problem, solution.rule
 
-    Where errors are amplified or fall slowly also how far fewer cells are away, with a rule of their own: beside
-    corners without functions, or edges in space, degrees differ by less than they are wrong, by a tenth, and kinks on
-    interfaces may be as wrong for both. Of the least degree one more.
-    """
-    problem, rule, cells, highest = solution.problem, solution.rule, solution.report.cells, solution.report.degree
-    degree = highest + (-1 if highest > problem.order else 1)
-    other = solved(problem, rule, cells, degree, functions, measured=False)
-    values, lower = (one.jets(rule.points, 0, functions)[0] for one in (solution, other))
-    means = [(SLOWLY if inward_edges(problem) else 1.0) * (values - lower)]
-    if (slow := is_slow(problem)) or solution.report.amplified or problem.interfaces.functions:
+    def found(rule: Quadrature, cells: int, degree: int) -> Floats:
+        other = solved(problem, rule, cells, degree, functions if rule is own else None, measured=False)
+        values: Floats = other.jets(own.points, 0, functions)[0]
+        return values
 
-        def found(fewer: int) -> Solution:
-            return solved(problem, rule_for(problem, fewer, rule.order - 1), fewer, highest, measured=False)
-
-        means.append((SLOWLY if slow else 1.0) * (values - on_fewer(found, cells).jets(rule.points, 0)[0]))
-    if (largest := float(np.max(np.abs(values)))) == 0:
-        return 0.0, 0.0, ""
-    away = np.abs(means[0])
-    apart = [float(np.sqrt(np.sum(rule.weights * one**2) / np.sum(rule.weights)) / largest) for one in means]
-    error = max(*apart, beyond_data(problem, rule, values))
-    return error, float(away.max()) / largest, first_place(rule.points, away == away.max())
+    return error_of(problem, solution.report, own, solution.jets(own.points, 0, functions)[0], found)
 
 
 def solved(
@@ -400,8 +374,6 @@ def solved(
             beside=lambda: discrete.lift_size,
         )
     told = reported(rule, cells, degree, found).of_problem(problem)
-    if measured and problem.corners is None:
-        told = replace(told, left=bare_corners(problem))
     if measured and found.again is not None and not regular:
         amplification, rounding = resonance(sampled, found.again)
         if not rounding <= SINGULAR:

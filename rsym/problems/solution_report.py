@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 
 from rsym.problems.corners.choice import CornerChoice
+from rsym.problems.guards import bare_corners
 from rsym.problems.problem import Problem
 from rsym.problems.refinement import Grade, observed_order
 from rsym.problems.systems.linear import Solved
@@ -151,7 +152,7 @@ class SolutionReport(Report):
         folds = problem.interfaces
         made = replace(self, off=problem.off, treatments=treatments(problem))
         made = replace(made, interfaces=len(folds.functions), doubts=folds.doubts)
-        return made.of_corners(problem.corners)
+        return replace(made, left=bare_corners(problem)).of_corners(problem.corners)
 
     def of_corners(self, choice: CornerChoice | None) -> SolutionReport:
         """The same, knowing of corners."""

@@ -146,7 +146,7 @@ def answered(
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         functions = beside_at(problem, rule.points)
         made = solved(problem, rule, cells, degree, functions)
-        error = max(estimated(made, functions)[0], made.report.unsure)
+        error = max(estimated(made, functions).mean, made.report.unsure)
         # What all points of a rule miss is in no difference of degrees.
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 

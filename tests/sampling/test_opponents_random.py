@@ -59,6 +59,6 @@ def test_parts_that_overlap_by_little_are_one(seed):
     assert typings.asked(typings.case(seed))[1] == []
 
 
-@pytest.mark.parametrize("seed", [3, 10, 32, 44], ids=["cylinder", "box", "bored in halves", "leaves cubed"])
+@pytest.mark.parametrize("seed", [3, 10, 32, 44, 61], ids=["cylinder", "box", "bored", "cubed", "step"])
 def test_solutions_in_space_are_within_what_is_said_of_them(seed):
     assert solids.asked(solids.case(seed))[1] == []
