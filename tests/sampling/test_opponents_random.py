@@ -1,4 +1,4 @@
-"""The opponents of labels, windows, parts without a value, steps, thin lines, pictures, lengths, measures, fields."""
+"""The opponents of labels, windows, parts without a value, steps, thin lines, pictures, measures, fields, bodies."""
 
 import os
 
