@@ -17,8 +17,7 @@ A shape with named parts comes in, and conditions by the names of these; functio
   solution is made of; `cornered`: corners in it; `posing`: its conditions as the letters of its shape have them
 - `plates`: what bending needs; `galerkin`: the system of a problem; `guards`: what problems and solutions have to keep;
   `interfaces`: where coefficients jump; `refinement`: until errors are small; `estimates`: of them; `peaks`: of data,
-  which a rule misses;
-  `resonance`: what small changes become
+  which a rule misses; `resonance`: what small changes become
 - `sources`: with poles; `boundary_data`: values rough inside; `given_functions`: of functions; `jumps`: that jump;
   `shares`: functions that are 1 on some leaves and 0 on others; `fluxes`: what flows through parts of the boundary
 - `solution`, `solution_report`: what comes out, and how it was found; `printed`: as an expression; `extremes`: its

@@ -48,7 +48,8 @@ def error_of(
     degree = report.degree + (-1 if report.degree > problem.order else 1)
     bent = any(gate.operation == "max" for gate in problem.form.gates)
     own = rule_for(problem, report.cells, rule.order - 1) if bent else rule
-    apart = [(SLOWLY if inward_edges(problem) else 1.0) * (values - found(own, report.cells, degree))]
+    lower = values - found(own, report.cells, degree)
+    apart = [SLOWLY * lower if inward_edges(problem) else lower]
     if (slow := is_slow(problem)) or report.amplified or problem.interfaces.functions:
 
         def of_fewer(cells: int) -> Floats:
@@ -57,7 +58,7 @@ def error_of(
         apart.append((SLOWLY if slow else 1.0) * (values - on_fewer(of_fewer, report.cells)))
     if (largest := float(np.max(np.abs(values)))) == 0:
         return Error(0.0, 0.0, "")
-    away = np.abs(apart[0])
+    away = np.abs(lower)
     means = [float(np.sqrt(np.sum(rule.weights * one**2) / np.sum(rule.weights)) / largest) for one in apart]
     mean = max(*means, beyond_data(problem, rule, values))
     return Error(mean, float(away.max()) / largest, first_place(rule.points, away == away.max()))
