@@ -37,9 +37,8 @@ from rsym.problems.corners.corners import PlaneCorner
 # A, conj(A), B, conj(B) of the real and imaginary parts of A and B.
 PARTS = np.array([[1, 1j, 0, 0], [1, -1j, 0, 0], [0, 0, 1, 1j], [0, 0, 1, -1j]])
 LEAST = 0.05  # an exponent: there is none below 1/4 but 0
-APART = (
-    0.3  # starts of Newton's method, for an angle up to pi: up to 0.5 it misses nothing of 600 corners, by 0.7 at 227
-)
+# Starts of Newton's method, for an angle up to pi: up to 0.5 it misses nothing of 600 corners, by 0.7 at 227.
+APART = 0.3
 STEPS, FEW = 20, 4  # of it: 12 do, a digit takes three where exponents are double
 NEAR, SAME = 1e-5, 1e-6  # places for derivatives; exponents
 SINGULAR, RESONANT = 1e-9, 1e-6  # of the largest singular value
