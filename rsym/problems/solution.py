@@ -19,7 +19,7 @@ from rsym.logic.leaf_names import shape_leaf_names
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.equations import EllipticEquation
-from rsym.problems.estimates import Error, error_of
+from rsym.problems.estimates import Error, Goal, error_of, error_of_goal
 from rsym.problems.extremes import Attained, Extremes
 from rsym.problems.fluxes import flux_through
 from rsym.problems.galerkin import Discretisation
@@ -304,14 +304,16 @@ def with_rule(solution: Solution, rule: Quadrature) -> Solution:
     return solution
 
 
-def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int, estimate: bool = False) -> Solution:
+def solved_alone(
+    problem: Problem, rule: Quadrature, cells: int, degree: int, estimate: bool = False, goal: Goal | None = None
+) -> Solution:
     """The solution on a rule, no other being asked for; where errors are amplified with an estimate in any case."""
     functions = beside_at(problem, rule.points) if estimate else None
     made = solved(problem, rule, cells, degree, functions)
     report = made.report
     if not (report.amplified or estimate):
         return made
-    error, worst, place = estimated(made, functions)
+    error, worst, place, _, of_goal = estimated(made, functions, goal)
     error = max(error, report.unsure)
     if not max(error, worst) <= SURE:
         there = f", {short(worst)} of it at {place}" if worst > SURE else ""
@@ -319,19 +321,21 @@ def solved_alone(problem: Problem, rule: Quadrature, cells: int, degree: int, es
             f"the error, an estimate, is about {short(error)} of the largest value{there}{report.nearness}; give "
             "tolerance=, more cells or a higher degree"
         )
-    return with_rule(replace(made, report=replace(report, estimate=error)), rule)
+    return with_rule(replace(made, report=replace(report, estimate=error, goal=of_goal)), rule)
 
 
-def estimated(solution: Solution, functions: BesideAt | None = None) -> Error:
+def estimated(solution: Solution, functions: BesideAt | None = None, goal: Goal | None = None) -> Error:
     """Its error, by other solutions; `functions` are those beside splines at the points of its rule."""
-    problem, own = solution.problem, solution.rule
+    problem, own, others = solution.problem, solution.rule, list[Solution]()
 
     def found(rule: Quadrature, cells: int, degree: int) -> Floats:
         other = solved(problem, rule, cells, degree, functions if rule is own else None, measured=False)
         values: Floats = other.jets(own.points, 0, functions)[0]
+        others.append(other)
         return values
 
-    return error_of(problem, solution.report, own, solution.jets(own.points, 0, functions)[0], found)
+    error = error_of(problem, solution.report, own, solution.jets(own.points, 0, functions)[0], found)
+    return error if goal is None else error._replace(goal=error.slowly * error_of_goal(goal, solution, others))
 
 
 def solved(

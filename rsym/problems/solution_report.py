@@ -53,6 +53,7 @@ class SolutionReport(Report):
     amplification: float | None = None
     rounding: float = 0.0
     stress: float | None = None
+    goal: float | None = None
     interfaces: int = 0
     doubts: tuple[str, ...] = ()
     off: float = 0.0
@@ -113,6 +114,8 @@ class SolutionReport(Report):
                 0,
                 f"Stresses are known to about {short(self.stress)} of the largest, an estimate, where they are worst.",
             )
+        if self.goal is not None:
+            told.insert(0, f"The number that was asked for is known to about {short(self.goal)} of it, an estimate.")
         if self.estimate is None:
             error = "No estimate of the error was asked for."
         else:
@@ -140,6 +143,7 @@ class SolutionReport(Report):
                 "order observed": self.observed_order,
                 "estimate": self.estimate,
                 "stress": self.stress,
+                "goal": self.goal,
                 "corners": self.corners,
                 "corners left": self.left + len(self.refused),
                 "interfaces": self.interfaces,

@@ -19,6 +19,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, with_letters_of
 from rsym.problems.cornered import with_corners
 from rsym.problems.equations import equation_of
+from rsym.problems.estimates import Goal, goal_of
 from rsym.problems.guards import is_slow
 from rsym.problems.peaks import of_problem, unseen
 from rsym.problems.places import rule_for, rule_order
@@ -47,6 +48,7 @@ def solve(
     mean: float | None = None,
     corners: bool = True,
     estimate: bool = True,
+    goal: Any = None,
     progress: Progress | None = None,
 ) -> Solution:
     """The solution of a linear elliptic equation on a shape.
@@ -87,6 +89,9 @@ def solve(
         equation that diffuses differently in different directions has none.
     estimate : bool
         Whether, of a number of cells too, the error is estimated; without, half of the time is saved.
+    goal : point, text or function, optional
+        What the tolerance is of, as a share of it: the value at a point, the flux through a part of this name, or the
+        number that a function of the solution gives, as ``lambda u: u.gradient(0, 0)[0]``. By default u all over.
     progress : callable, optional
         ``progress(done, total)``; an answer of False cancels.
 
@@ -120,7 +125,7 @@ def solve(
     problem = problem_of(shape, equation, conditions, letters=letters, axis=axis, poisson=poisson)
     if mean is not None:
         problem = replace(problem, mean=default(number(mean, "the mean"), problem.shape.letters, "the mean"))
-    return answered(problem, degree, cells, tolerance, corners, progress, estimate)
+    return answered(problem, degree, cells, tolerance, corners, progress, estimate, goal_of(goal, shape.dimension))
 
 
 def answered(
@@ -131,6 +136,7 @@ def answered(
     corners: bool,
     progress: Progress | None,
     estimate: bool = True,
+    goal: Goal | None = None,
 ) -> Solution:
     """The solution of a problem on a grid, or refined until its estimate of the error is small enough."""
     checked_degree(degree)
@@ -140,13 +146,15 @@ def answered(
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         if problem.cuts:
             problem.switches.warn_if_near(rule.grid.size, cells)
-        return solved_alone(problem, rule, cells, degree, estimate)
+        return solved_alone(problem, rule, cells, degree, estimate, goal)
 
     def attempt(cells: int, degree: int) -> tuple[Solution, int, float]:
         rule = rule_for(problem, cells, rule_order(problem, cells, degree))
         functions = beside_at(problem, rule.points)
         made = solved(problem, rule, cells, degree, functions)
-        error = max(estimated(made, functions).mean, made.report.unsure)
+        told = estimated(made, functions, goal)
+        error = max(told.mean if told.goal is None else told.goal, made.report.unsure)
+        made = with_rule(replace(made, report=replace(made.report, estimate=told.mean, goal=told.goal)), rule)
         # What all points of a rule miss is in no difference of degrees.
         return made, made.report.unknowns, error if error > wanted else max(error, missed(made))
 
@@ -160,7 +168,8 @@ def answered(
         beside=problem.has_corners or is_slow(problem) or bool(problem.interfaces.functions),
         why=lambda made: made.report.nearness,
     )
-    told = replace(found.report, estimate=grades[-1].estimate, grades=grades)
+    last: dict[str, Any] = {"estimate" if goal is None else "goal": grades[-1].estimate}
+    told = replace(found.report, grades=grades, **last)
     return with_rule(replace(found, report=told), found.rule)
 
 

@@ -10,6 +10,7 @@ from rsym.errors import RsymError
 from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.conditions import given_by_name, with_letters_of
+from rsym.problems.estimates import goal_of
 from rsym.problems.plates import require_edges
 from rsym.problems.posing import posed
 from rsym.problems.problem import Problem
@@ -32,13 +33,14 @@ def solve_form(
     axis: Any = None,
     corners: bool = True,
     estimate: bool = True,
+    goal: Any = None,
     progress: Progress | None = None,
 ) -> Solution:
     """The u, with given values on parts of the boundary, for which a(u, v) = l(v) for all v that are 0 there.
 
     Parameters
     ----------
-    shape, degree, cells, tolerance, axis, corners, estimate, progress
+    shape, degree, cells, tolerance, axis, corners, estimate, goal, progress
         As in `solve`; integrals about an axis have the radius in them already.
     a, l : functions, or mappings of places to functions
         ``a(u, v, w)`` and ``l(v, w)`` are what is integrated, as users of scikit-fem write it; its decorators and
@@ -100,4 +102,4 @@ def solve_form(
             )
     problem = posed(Problem(shape, form, values, (), turned, seams=seams))
     require_edges(problem, single=False)
-    return answered(problem, degree, cells, tolerance, corners, progress, estimate)
+    return answered(problem, degree, cells, tolerance, corners, progress, estimate, goal_of(goal, shape.dimension))

@@ -21,6 +21,7 @@ from rsym.problems.corners.corners import inward_corners
 from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody, with_corners
 from rsym.problems.elastic.result import ElasticSolution, in_equilibrium, rule_of
 from rsym.problems.elastic.supports import EXAMPLES, Pressure, Traction, as_support, vector
+from rsym.problems.estimates import Goal, error_of_goal
 from rsym.problems.peaks import of_problem, unseen, varies
 from rsym.problems.places import MORE_POINTS
 from rsym.problems.refinement import FEWER, last_degree, on_fewer, refined
@@ -55,7 +56,7 @@ def elasticity(
     tolerance: float | None = None,
     letters: Mapping[Any, Any] | None = None,
     corners: bool = True,
-    goal: Literal["displacement", "stress"] = DISPLACEMENTS,
+    goal: Literal["displacement", "stress"] | Goal = DISPLACEMENTS,
     estimate: bool = True,
     progress: Progress | None = None,
 ) -> ElasticSolution:
@@ -78,9 +79,10 @@ def elasticity(
         The force on a volume, along each coordinate.
     plane : "stress" or "strain"
         A thin plate, free across the plane, or a long body that cannot become longer.
-    goal : "displacement" or "stress"
-        What the tolerance is of: stresses, of which the worst place counts, as a share of the largest. At corners that
-        point inwards they have no bound, and what is near to them does not count.
+    goal : "displacement", "stress" or function
+        What the tolerance is of: stresses, of which the worst place counts, as a share of the largest; or the number
+        that a function of the solution gives, as ``lambda body: body.stress(0, 1).xx``, as a share of it. At corners
+        that point inwards stresses have no bound, and what is near to them does not count.
     estimate : bool
         Whether errors are estimated of a number of cells too.
 
@@ -118,8 +120,9 @@ def elasticity(
             code="material",
             remedy="for steel, in N and mm, young=210e3, poisson=0.3",
         )
-    if goal not in (DISPLACEMENTS, STRESSES):
-        raise RsymError(f'goal is "{DISPLACEMENTS}" or "{STRESSES}", got {goal!r}', code="goal")
+    if not (callable(goal) or goal in (DISPLACEMENTS, STRESSES)):
+        raise RsymError(f'goal is "{DISPLACEMENTS}", "{STRESSES}" or a function, got {goal!r}', code="goal")
+    aim = goal if callable(goal) else None
     checked_degree(degree)
     seams, _ = lettered(shape, letters, divisible=False)
     shape = seams.shape
@@ -134,7 +137,7 @@ def elasticity(
         whole(cells, "the cells", 1)
         if not estimate:
             return in_equilibrium(body, rule_of(body, cells, degree + MORE_POINTS), cells, degree)
-        found = _compared(body, cells, degree)
+        found = _compared(body, cells, degree, aim)
         error = found.report.estimate or 0.0
         if not error <= SURE:
             warn(
@@ -144,21 +147,21 @@ def elasticity(
         return found
 
     def attempt(cells: int, degree: int) -> tuple[ElasticSolution, int, float]:
-        made = _compared(body, cells, degree)
-        error = (made.report.stress if goal == STRESSES else made.report.estimate) or 0.0
+        made = _compared(body, cells, degree, aim)
+        error = getattr(made.report, wanted_of) or 0.0
         return made, made.report.unknowns, error if error > wanted else max(error, _missed(made))
 
+    wanted_of = "goal" if aim is not None else "stress" if goal == STRESSES else "estimate"
     wanted = reachable(tolerance, body.off)
     beside = body.corners is not None and len(body.corners.functions) > 0
     found, grades = refined(attempt, 2, degree, wanted, progress, beside=beside)
-    last, known = grades[-1].estimate, found.report
-    both = (known.estimate, last) if goal == STRESSES else (last, known.stress)
-    told = replace(found, report=replace(known, grades=grades, estimate=both[0], stress=both[1]))
+    last: dict[str, Any] = {wanted_of: grades[-1].estimate}
+    told = replace(found, report=replace(found.report, grades=grades, **last))
     told.__dict__["rule"] = found.rule
     return told
 
 
-def _compared(body: ElasticBody, cells: int, degree: int) -> ElasticSolution:
+def _compared(body: ElasticBody, cells: int, degree: int, aim: Goal | None) -> ElasticSolution:
     """The state on a grid, with estimates of its errors."""
 
     def found(cells: int, degree: int) -> ElasticSolution:
@@ -166,12 +169,13 @@ def _compared(body: ElasticBody, cells: int, degree: int) -> ElasticSolution:
 
     made, (left, rough) = found(cells, degree), _corners_of(body)
     if degree == 1:
-        return _with_errors(made, math.inf, math.inf, left)
+        return _with_errors(made, math.inf, math.inf, None if aim is None else math.inf, left)
     unknown = left or made.report.refused or _narrowest(body) < NARROW * made.rule.grid.size
     other = on_fewer(lambda fewer: found(fewer, degree - 1), cells, AT_CORNERS if unknown else FEWER)
     error, stress = _apart(made, other, rough)
     times = SLOWLY if unknown else 1
-    return _with_errors(made, times * error, times * stress, left)
+    of_goal = None if aim is None else times * error_of_goal(aim, made, [other])
+    return _with_errors(made, times * error, times * stress, of_goal, left)
 
 
 def _corners_of(body: ElasticBody) -> tuple[int, Floats]:
@@ -189,10 +193,10 @@ def _narrowest(body: ElasticBody) -> float:
     return min((part.radius for part in body.corners.functions.parts), default=math.inf) if body.corners else math.inf
 
 
-def _with_errors(made: ElasticSolution, error: float, stress: float, left: int) -> ElasticSolution:
+def _with_errors(made: ElasticSolution, error: float, stress: float, goal: float | None, left: int) -> ElasticSolution:
     """The same with estimates; so many corners that point inwards have no functions of their own."""
     unsure = made.report.unsure
-    report = replace(made.report, estimate=max(error, unsure), stress=max(stress, unsure), left=left)
+    report = replace(made.report, estimate=max(error, unsure), stress=max(stress, unsure), goal=goal, left=left)
     told = replace(made, report=report)
     told.__dict__["rule"] = made.rule
     return told
