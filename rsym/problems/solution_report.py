@@ -109,13 +109,7 @@ class SolutionReport(Report):
         if self.off:
             told.append(f"Functions given on the boundary are met to about {short(self.off)} of the largest value.")
         told += [*self.treatments, *self._of_corners()]
-        if self.stress is not None:
-            told.insert(
-                0,
-                f"Stresses are known to about {short(self.stress)} of the largest, an estimate, where they are worst.",
-            )
-        if self.goal is not None:
-            told.insert(0, f"The number that was asked for is known to about {short(self.goal)} of it, an estimate.")
+        told = [*self._of_goals(), *told]
         if self.estimate is None:
             error = "No estimate of the error was asked for."
         else:
@@ -163,6 +157,17 @@ class SolutionReport(Report):
         if choice is None:
             return self
         return replace(self, corners=len(choice.corners), left=len(choice.left), refused=choice.reasons)
+
+    def _of_goals(self) -> list[str]:
+        """What else than the solution has an estimate."""
+        told = []
+        if self.goal is not None:
+            told.append(f"The number that was asked for is known to about {short(self.goal)} of it, an estimate.")
+        if self.stress is not None:
+            told.append(
+                f"Stresses are known to about {short(self.stress)} of the largest, an estimate, where they are worst."
+            )
+        return told
 
     def _of_corners(self) -> list[str]:
         """Which corners and kinks have functions of their own, and which do not though solutions are not smooth."""
