@@ -71,6 +71,11 @@ def error_of_goal(goal: Goal, solution: Any, others: Sequence[Any]) -> float:
     return apart / abs(value) if value else math.inf if apart else 0.0
 
 
+def slowness(problem: Problem) -> float:
+    """How many times as large errors may be as what fewer cells, or less of a degree in space, are away."""
+    return SLOWLY if is_slow(problem) or inward_edges(problem) else 1.0
+
+
 def error_of(
     problem: Problem,
     report: SolutionReport,
@@ -98,10 +103,9 @@ def error_of(
             return found(rule_for(problem, cells, rule.order - 1), cells, report.degree)
 
         apart.append((SLOWLY if slow else 1.0) * (values - on_fewer(of_fewer, report.cells)))
-    times = SLOWLY if slow or inward_edges(problem) else 1.0
     if (largest := float(np.max(np.abs(values)))) == 0:
-        return Error(0.0, 0.0, "", times)
+        return Error(0.0, 0.0, "", slowness(problem))
     away = np.abs(lower)
     means = [float(np.sqrt(np.sum(rule.weights * one**2) / np.sum(rule.weights)) / largest) for one in apart]
     mean = max(*means, beyond_data(problem, rule, values))
-    return Error(mean, float(away.max()) / largest, first_place(rule.points, away == away.max()), times)
+    return Error(mean, float(away.max()) / largest, first_place(rule.points, away == away.max()), slowness(problem))

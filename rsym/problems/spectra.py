@@ -18,6 +18,7 @@ from rsym.language.stating import WrittenEquation
 from rsym.model.arguments import whole
 from rsym.model.shape import Shape
 from rsym.problems.cornered import with_corners
+from rsym.problems.estimates import slowness
 from rsym.problems.galerkin import Discretisation, at_values
 from rsym.problems.interfaces import interfaces_of
 from rsym.problems.left_behind import portable
@@ -161,7 +162,7 @@ def modes(
     def compared(cells: int, degree: int, made: Spectrum) -> float:
         lower = on_fewer(lambda fewer: _spectrum(problem, fewer, degree - 1, count, mass), cells)
         scale = np.maximum(np.abs(made.values), np.abs(made.values).max() * 1e-3)
-        return float(np.max(np.abs(made.values - lower.values) / scale))
+        return slowness(problem) * float(np.max(np.abs(made.values - lower.values) / scale))
 
     if cells is not None:
         made = _spectrum(problem, cells, degree, count, mass)

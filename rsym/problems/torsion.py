@@ -17,6 +17,7 @@ from rsym.model.requirements import require_shape
 from rsym.model.shape import Shape
 from rsym.problems.cornered import with_corners
 from rsym.problems.equations import equation_of
+from rsym.problems.estimates import slowness
 from rsym.problems.extremes import Attained
 from rsym.problems.loops import BoundaryLoop, loops_of
 from rsym.problems.places import rule_for, rule_order
@@ -151,7 +152,7 @@ def torsion(
 
     def compared(cells: int, degree: int, made: Torsion) -> float:
         lower = on_fewer(lambda fewer: _torsion(problem, fewer, degree - 1), cells)
-        return max(abs(1 - lower.rigidity / made.rigidity), made.solution.report.unsure)
+        return max(slowness(problem) * abs(1 - lower.rigidity / made.rigidity), made.solution.report.unsure)
 
     if cells is not None:
         made = _torsion(problem, cells, degree)
