@@ -386,3 +386,15 @@ def test_corners_without_functions_are_told():
         found = rsym.elasticity(PAIR, {"a": rsym.fixed()}, young=1, poisson=0.3, loads=(0, -1), cells=16, corners=False)
     assert found.report.left == 2
     assert "2 corners without such functions" in str(found.report)
+
+
+@pytest.mark.parametrize("cells", [12, 24])
+def test_where_moduli_jump_errors_are_within_their_estimate(cells):
+    """Splines of displacements have no kinks there: a bar of two moduli is pulled, without Poisson's contraction."""
+    bar = LEFT & rsym.half_plane((-1, 0), -2).named("right") & rsym.half_plane((0, -1), -1) & BELOW
+    young = sp.Piecewise((1, x < sp.Rational(8, 7)), (10, True))
+    held = rsym.elasticity(bar, PULLED, young=young, poisson=0, cells=cells)
+    points, weights = held.rule.points, held.rule.weights
+    along = np.minimum(points[:, 0], 8 / 7) + np.maximum(points[:, 0] - 8 / 7, 0) / 10
+    away = np.sum((held.jets(points)[:, 0] - [along, 0 * along]) ** 2, axis=0)
+    assert np.sqrt(np.average(away, weights=weights)) / along.max() < 2 * held.report.estimate
