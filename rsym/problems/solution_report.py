@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from rsym.problems.corners.choice import CornerChoice
 from rsym.problems.guards import bare_corners
+from rsym.problems.interfaces import Interfaces
 from rsym.problems.problem import Problem
 from rsym.problems.refinement import Grade, observed_order
 from rsym.problems.systems.linear import Solved
@@ -147,10 +148,12 @@ class SolutionReport(Report):
 
     def of_problem(self, problem: Problem) -> SolutionReport:
         """The same, knowing of corners, interfaces, the form, and how values on the boundary go inside."""
-        folds = problem.interfaces
-        made = replace(self, off=problem.off, treatments=treatments(problem))
-        made = replace(made, interfaces=len(folds.functions), doubts=folds.doubts)
+        made = replace(self, off=problem.off, treatments=treatments(problem)).of_interfaces(problem.interfaces)
         return replace(made, left=bare_corners(problem)).of_corners(problem.corners)
+
+    def of_interfaces(self, known: Interfaces) -> SolutionReport:
+        """The same, knowing where coefficients jump or have kinks."""
+        return replace(self, interfaces=len(known.functions), doubts=known.doubts)
 
     def of_corners(self, choice: CornerChoice | None) -> SolutionReport:
         """The same, knowing of corners."""

@@ -24,6 +24,7 @@ from rsym.problems.corners.goursat import EdgeConditions, of_body
 from rsym.problems.elastic.supports import Displaced, Fixed, Pressure, Roller, Traction
 from rsym.problems.equations import equation_of
 from rsym.problems.given_functions import as_formulas
+from rsym.problems.interfaces import Interfaces, interfaces_of
 from rsym.problems.left_behind import portable
 from rsym.problems.like_slopes import of_like_slopes
 from rsym.problems.pointwise import PointFormulas, compiled, first_place, require_numbers, with_derivatives
@@ -134,7 +135,8 @@ class ElasticBody:
             kept = {leaf for leaves in held.values() for leaf in leaves}
             on_leaves = [given[name] if leaf in kept else None for leaf, name in enumerate(self.names)]
             own = None if self.corners is None else self.corners.component(axis)
-            found.append(Problem(self.shape, equation, given, tuple(on_leaves), corners=own, seams=self.seams))
+            made = Problem(self.shape, equation, given, tuple(on_leaves), corners=own, seams=self.seams)
+            found.append(replace(made, interfaces=self.interfaces))
             for jump in jumps_in(found[-1]):
                 place, values = (
                     ", ".join(f"{value:.6g}" for value in some) for some in (jump.corner.point, jump.values)
@@ -145,6 +147,13 @@ class ElasticBody:
                     remedy="give displacements that agree where parts meet",
                 )
         return tuple(found)
+
+    @cached_property
+    def interfaces(self) -> Interfaces:
+        """Where moduli and loads jump or have kinks."""
+        return interfaces_of(
+            self.shape, [one for one in (self.young, self.poisson, *self.loads) if isinstance(one, sp.Expr)]
+        )
 
     @cached_property
     def without_corners(self) -> ElasticBody:

@@ -10,7 +10,7 @@ vanishes where they are, a spline. For all displacements v that vanish there the
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -24,6 +24,7 @@ from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import ElasticBody
 from rsym.problems.galerkin import Discretisation
 from rsym.problems.systems.borders import BesideAt, SystemBorder
+from rsym.problems.systems.families import Family, with_families
 from rsym.problems.systems.forms import CellPoints, LoadAt, Some, extended
 from rsym.sampling.rules.quadrature import Quadrature
 
@@ -127,7 +128,36 @@ class Equilibrium:
             own = one.assembler.matrix(one.inside, form, one.tests, other.tests, symmetric=i == j)
             blocks[i][j] = extended(one.splines, own)
         blocks[1][0] = blocks[0][1].T  # type: ignore[union-attr]
-        own = sparse.bmat(blocks, format="csr")
+        own = self._with_corners(sparse.bmat(blocks, format="csr"))
+        folds = self._folds
+        if not folds:
+            return own
+        border = self._border if self.extra_count else None
+        one = self.discrete[0]
+        plain = [replace(each.families[0], component=axis) for axis, each in enumerate(self.discrete)]
+        return with_families(own, [*plain, *folds], one.assembler, [(one.inside, self.form)], border, True, len(plain))
+
+    @cached_property
+    def _folds(self) -> list[Family]:
+        """Splines with kinks on interfaces, of one displacement, then of the other."""
+        return [replace(one, component=axis) for axis, each in enumerate(self.discrete) for one in each.families[1:]]
+
+    @property
+    def beside_count(self) -> int:
+        """How many functions there are beside the splines, those of kinks among them."""
+        return self.extra_count + sum(one.count for one in self._folds)
+
+    def parted(self, values: Floats) -> tuple[Floats, Floats]:
+        """The coefficients (2, families, active) of splines, and those of functions of corners."""
+        plain = [each.families[0] for each in self.discrete]
+        counts = [*(one.count for one in plain), self.extra_count, *(one.count for one in self._folds)]
+        first, second, others, *folds = np.split(values, np.cumsum(counts)[:-1])
+        some = [one.sums @ own for one, own in zip([*plain, *self._folds], [first, second, *folds], strict=True)]
+        half = (len(some) - len(plain)) // 2
+        return np.array([[some[axis], *some[2 + axis * half :][:half]] for axis in AXES]), others
+
+    def _with_corners(self, own: sparse.csr_matrix) -> sparse.csr_matrix:
+        """With the rows and columns of functions of corners."""
         if not self.extra_count:
             return own
         columns = self._border(self.discrete[0].inside).columns(self.form, symmetric=True)
@@ -163,10 +193,14 @@ class Equilibrium:
         def along(axis: int) -> LoadAt:
             return lambda some, points: load(some, points)[:, 3 * axis : 3 * axis + 3]
 
-        parts = [one.loads(where, along(axis))[0] for axis, one in enumerate(self.discrete)]
+        parts, folds = [], []
+        for axis, one in enumerate(self.discrete):
+            plain, fold = np.split(one.loads(where, along(axis))[0], [one.families[0].count])
+            parts.append(plain)
+            folds.append(fold)
         if self.extra_count:
             parts.append(self._border(where).loads(load, 1)[0])
-        return np.concatenate(parts)
+        return np.concatenate([*parts, *folds])
 
     def lifted(self, points: Floats) -> Floats:
         """The derivatives (2, 3, n) of the displacements that are given."""

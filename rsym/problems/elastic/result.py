@@ -15,7 +15,7 @@ from rsym.model.shape import Shape
 from rsym.problems.conditions import Name
 from rsym.problems.elastic.bodies import STRAIN, ElasticBody, with_corners
 from rsym.problems.elastic.equilibrium import AXES, Equilibrium, Forces
-from rsym.problems.places import MORE_POINTS, on_shape, rule_on
+from rsym.problems.places import on_shape, rule_on
 from rsym.problems.solution import AT_ONCE, Solution, with_rule
 from rsym.problems.solution_report import SolutionReport, reported, treatments
 from rsym.problems.splines.web import WebSplines
@@ -58,7 +58,7 @@ class ElasticSolution:
         The shape, what it is made of, what holds and loads it.
     splines : WebSplines
         The functions whose sums the displacements are, times their weights.
-    coefficients, others : (2, splines), (functions,)
+    coefficients, others : (2, families, splines), (functions,)
         Theirs, and those of the functions at corners, which have both components.
     report : SolutionReport
         Unknowns, rule, system, estimate.
@@ -208,19 +208,17 @@ class ElasticSolution:
 def rule_of(body: ElasticBody, cells: int, order: int) -> Quadrature:
     """The rule of integration of a body, graded towards corners that have functions of their own."""
     near = None if body.corners is None else body.corners.functions.grading
-    return rule_on(body.shape, body.named, cells, order, near)
+    return rule_on(body.shape, body.named, cells, order, near, body.interfaces.functions)
 
 
 def in_equilibrium(body: ElasticBody, rule: Quadrature, cells: int, degree: int) -> ElasticSolution:
     """The state of a body, on a rule."""
     system = Equilibrium(body, rule, degree)
     system.require_held()
-    found = solve_system(system.matrix, system.right, definite=True, dimension=2, last=system.extra_count)
+    found = solve_system(system.matrix, system.right, definite=True, dimension=2, last=system.beside_count)
     lines = dict.fromkeys(line for problem in body.problems for line in treatments(problem))
-    told = replace(reported(rule, cells, degree, found), off=body.off, treatments=(*lines,)).of_corners(body.corners)
-    splines = system.discrete[0].splines
-    own, others = np.split(found.values, [2 * splines.extension.shape[1]])
-    coefficients = np.ascontiguousarray((splines.extension @ own.reshape(2, -1).T).T)
-    made = ElasticSolution(body, splines, coefficients, others, told, degree + MORE_POINTS)
+    told = replace(reported(rule, cells, degree, found), off=body.off, treatments=(*lines,))
+    told = told.of_corners(body.corners).of_interfaces(body.interfaces)
+    made = ElasticSolution(body, system.discrete[0].splines, *system.parted(found.values), told, rule.order)
     made.__dict__["rule"] = rule
     return made

@@ -22,7 +22,6 @@ from rsym.problems.elastic.bodies import STRAIN, STRESS, ElasticBody, with_corne
 from rsym.problems.elastic.result import ElasticSolution, in_equilibrium, rule_of
 from rsym.problems.elastic.supports import EXAMPLES, Pressure, Traction, as_support, vector
 from rsym.problems.estimates import Goal, error_of_goal
-from rsym.problems.interfaces import kinks_in
 from rsym.problems.peaks import of_problem, unseen, varies
 from rsym.problems.places import MORE_POINTS
 from rsym.problems.refinement import FEWER, last_degree, on_fewer, refined
@@ -35,9 +34,7 @@ from rsym.sampling.rules.quadrature import Quadrature
 
 DISPLACEMENTS: Literal["displacement"] = "displacement"
 STRESSES = "stress"
-# Of the cells: beside corners without functions errors fall slowly, where moduli jump too, and so do differences. A bar
-# of two moduli, 1 and 10, 12 cells: 1.2e-2 off, by three quarters of the cells 2.6e-3, so 3.1e-2.
-AT_CORNERS = 0.5
+AT_CORNERS = 0.5  # of the cells: beside corners without functions errors fall slowly, and so do differences
 # Overlapping discs, one held: errors fall by 1.3 where cells are halved, so that they are twice the difference.
 SLOWLY = 2
 # Cells: at corners whose functions end sooner errors fall as slowly as without. An edge of a disc 0.08 from its bore,
@@ -173,8 +170,7 @@ def _compared(body: ElasticBody, cells: int, degree: int, aim: Goal | None) -> E
     made, (left, rough) = found(cells, degree), _corners_of(body)
     if degree == 1:
         return _with_errors(made, math.inf, math.inf, None if aim is None else math.inf, left)
-    kinks = kinks_in([one for one in (body.young, body.poisson, *body.loads) if isinstance(one, sp.Expr)])
-    unknown = left or made.report.refused or kinks or _narrowest(body) < NARROW * made.rule.grid.size
+    unknown = left or made.report.refused or body.interfaces.doubts or _narrowest(body) < NARROW * made.rule.grid.size
     other = on_fewer(lambda fewer: found(fewer, degree - 1), cells, AT_CORNERS if unknown else FEWER)
     error, stress = _apart(made, other, rough)
     times = SLOWLY if unknown else 1

@@ -16,7 +16,7 @@ from scipy import sparse
 from rsym.arrays import Floats
 from rsym.problems.splines.web import WebSplines
 from rsym.problems.systems.borders import SystemBorder
-from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Weight, transposed
+from rsym.problems.systems.forms import Assembler, CellPoints, FormAt, LoadAt, Some, Weight, transposed
 
 # So many cells wide are those of kinks, wider where they would be more than so many, which are dense rows. A disc of
 # k = 10 in one of k = 1, errors on 24 cells of degree 4, 32 and 64 of degree 6: 2 cells wide 3.4e-6, 6.0e-8 in 1.7 s,
@@ -29,10 +29,12 @@ class Family:
     """Splines times a weight, whose derivatives are `tests`; sums of the active ones are functions of a system.
 
     sums : (active, functions)
+    component : of what is sought theirs, in the order of forms.
     """
 
     tests: Weight
     sums: sparse.csr_matrix
+    component: int = 0
 
     @property
     def count(self) -> int:
@@ -49,7 +51,14 @@ class Family:
         """The matrix of a form, tests of this family, functions of another."""
         same = other is self
         trials = None if same else other.tests
-        made = assembler.matrix(where, form, self.tests, trials, symmetric=symmetric and same)
+        rows, columns = (
+            slice(k * assembler.kinds, (k + 1) * assembler.kinds) for k in (self.component, other.component)
+        )
+
+        def own(some: Some, points: Floats) -> Floats:
+            return form(some, points)[:, rows, columns]
+
+        made = assembler.matrix(where, own, self.tests, trials, symmetric=symmetric and same)
         return (self.sums.T @ made @ other.sums).tocsr()
 
 
@@ -98,9 +107,10 @@ def with_families(
     forms: Sequence[tuple[CellPoints, FormAt]],
     border: Callable[[CellPoints], SystemBorder] | None,
     symmetric: bool,
+    components: int = 1,
 ) -> sparse.csr_matrix:
-    """A matrix of the first family, and of functions beside it if they have a `border`, with those of the others."""
-    first, *folds = families
+    """A matrix of the first family of each component, and of functions beside if they have a `border`, with others."""
+    plain, folds = families[:components], families[components:]
 
     def among(tests: Family, functions: Family) -> sparse.csr_matrix:
         return reduce(add, (tests.with_other(functions, assembler, *part, symmetric) for part in forms))
@@ -109,20 +119,25 @@ def with_families(
         """Of tests of a family and functions beside, or `turned` the other way round."""
         if border is None:
             return []
-        made = [
-            replace(border(where), tests=(tests.tests,)).columns(
-                transposed(form) if turned else form, symmetric=False, among=False
-            )
-            for where, form in forms
-        ]
+        made = []
+        for where, form in forms:
+            acting = _first(tests.component * assembler.kinds, transposed(form) if turned else form)
+            made.append(replace(border(where), tests=(tests.tests,)).columns(acting, symmetric=False, among=False))
         return [tests.sums.T @ reduce(add, made)[: tests.sums.shape[0]]]
 
     right, below = [], []
     for fold in folds:
-        right.append(sparse.vstack([among(first, fold), *(one.T for one in beside(fold, turned=True))]))
-        below.append(right[-1].T if symmetric else sparse.hstack([among(fold, first), *beside(fold, turned=False)]))
+        above = [among(one, fold) for one in plain]
+        right.append(sparse.vstack([*above, *(one.T for one in beside(fold, turned=True))]))
+        left = [] if symmetric else [*(among(fold, one) for one in plain), *beside(fold, turned=False)]
+        below.append(right[-1].T if symmetric else sparse.hstack(left))
     own: list[list[sparse.csr_matrix]] = []
     for number, fold in enumerate(folds):
         own.append([own[k][number].T if symmetric and k < number else among(fold, folds[k]) for k in range(len(folds))])
     rows = [[bordered, *right], *([left, *row] for left, row in zip(below, own, strict=True))]
     return sparse.bmat(rows, format="csr")
+
+
+def _first(rows: int, form: FormAt) -> FormAt:
+    """The form with so many rows behind the others."""
+    return lambda some, points: np.roll(form(some, points), -rows, axis=1) if rows else form(some, points)
