@@ -37,7 +37,7 @@ def body(random):
         "flush": lambda: rsym.box(2, 2, 2) | rsym.box(a, 2, 2, (1 + a / 2, 0, 0)),
         "overlapping": lambda: rsym.box(2, 2, 2) | rsym.box(a, 2, 2, (sp.Rational(9, 10) + a / 2, 0, 0)),
         "step": lambda: rsym.box(2, 2, 2) | rsym.box(a, 2, 1, (1 + a / 2, 0, 0)),
-        "prism": lambda: rsym.extrude(rsym.polygon([(-a, -1), (b, -1), (0, a)]), 0, c),
+        "prism": lambda: rsym.extrude(rsym.polygon([(-a, -1), (b, -1), (0, a)]), -c / 2, c / 2),
         "turned": lambda: rsym.box(a, b, c).rotate(rational(random, 0, 6), (1, 2, 2)),
     }
     kind = list(made)[random.integers(len(made))]
