@@ -18,8 +18,7 @@ from opponent.typings import body, cut, rational
 from rsym import x, y
 from rsym.logic.leaf_names import shape_leaf_parts
 from rsym.logic.sign_form import shape_form
-from rsym.problems.corners.corners import inward_corners
-from rsym.problems.elastic.solving import BESIDE
+from rsym.problems.elastic.solving import BESIDE, corners_of
 from rsym.program.raising import raised
 
 
@@ -173,7 +172,7 @@ def asked(case):
             largest = np.sqrt(np.max(np.sum(truth**2, axis=0)))
             rows.append((np.sqrt(np.sum(rule.weights * apart) / rule.weights.sum()) / largest, found.report.estimate))
         points = np.vstack([rule.points, rule.boundary.points])
-        for corner in inward_corners(found.shape):
+        for corner in corners_of(found.body)[1]:
             points = points[np.hypot(*(points - corner).T) > BESIDE * rule.grid.size]
         truth = np.array([np.broadcast_to(one, len(points)) for one in case.stresses(*points.T)])
         rows.append((np.abs(found.stresses(points)[:3] - truth).max() / np.abs(truth).max(), found.report.stress))

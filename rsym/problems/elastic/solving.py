@@ -81,8 +81,9 @@ def elasticity(
         A thin plate, free across the plane, or a long body that cannot become longer.
     goal : "displacement", "stress" or function
         What the tolerance is of: stresses, of which the worst place counts, as a share of the largest; or the number
-        that a function of the solution gives, as ``lambda body: body.stress(0, 1).xx``, as a share of it. At corners
-        that point inwards stresses have no bound, and what is near to them does not count.
+        that a function of the solution gives, as ``lambda body: body.stress(0, 1).xx``, as a share of it. Near
+        corners where they may have no bound, those that point inwards and most between what is held and what is not,
+        stresses do not count.
     estimate : bool
         Whether errors are estimated of a number of cells too.
 
@@ -167,7 +168,7 @@ def _compared(body: ElasticBody, cells: int, degree: int, aim: Goal | None) -> E
     def found(cells: int, degree: int) -> ElasticSolution:
         return in_equilibrium(body, rule_of(body, cells, degree + MORE_POINTS), cells, degree)
 
-    made, (left, rough) = found(cells, degree), _corners_of(body)
+    made, (left, rough) = found(cells, degree), corners_of(body)
     if degree == 1:
         return _with_errors(made, math.inf, math.inf, None if aim is None else math.inf, left)
     unknown = left or made.report.refused or body.interfaces.doubts or _narrowest(body) < NARROW * made.rule.grid.size
@@ -178,7 +179,7 @@ def _compared(body: ElasticBody, cells: int, degree: int, aim: Goal | None) -> E
     return _with_errors(made, times * error, times * stress, of_goal, left)
 
 
-def _corners_of(body: ElasticBody) -> tuple[int, Floats]:
+def corners_of(body: ElasticBody) -> tuple[int, Floats]:
     """How many corners have no functions though they point inwards, and where stresses have no bound, (n, 2)."""
     inward, choice = inward_corners(body.shape), body.corners
     if choice is None:
