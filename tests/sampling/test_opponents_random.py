@@ -62,3 +62,9 @@ def test_parts_that_overlap_by_little_are_one(seed):
 @pytest.mark.parametrize("seed", [3, 10, 32, 44, 61], ids=["cylinder", "box", "bored", "cubed", "step"])
 def test_solutions_in_space_are_within_what_is_said_of_them(seed):
     assert solids.asked(solids.case(seed))[1] == []
+
+
+@pytest.mark.parametrize("seed", [910007, 910045])
+def test_beams_that_are_held_inside_are_within_what_is_said_of_them(seed):
+    """Where forces end beside what is held functions with logarithms are not 0 there."""
+    assert elastic.asked(elastic.case(seed))[1] == []

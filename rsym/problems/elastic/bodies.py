@@ -274,6 +274,8 @@ def with_corners(body: ElasticBody, degree: int) -> ElasticBody:
         if not np.isfinite([kappa, *map(abs, pulls)]).all():
             return None
         held = [[any(leaf in own for own in held.values()) for held in body.held] for leaf in corner.leaves]
-        return of_body(corner, held, kappa, pulls)
+        made = of_body(corner, held, kappa, pulls)
+        # With logarithms functions are not 0 on edges that are held.
+        return made if made.fits or not any(map(any, held)) else None
 
     return replace(body, corners=chosen_waves(body.shape, conditions, degree=degree))
