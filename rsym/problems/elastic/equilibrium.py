@@ -207,6 +207,12 @@ class Equilibrium:
         lifts = [one.lift(1) for one in self.body.problems]
         return np.array([np.zeros((3, len(points))) if lift is None else lift(points) for lift in lifts])
 
+    @cached_property
+    def lift_size(self) -> float:
+        """The root of the energy of these: if they are the solution what is left of loads is rounding beside it."""
+        jets = self.lifted(self.rule.points)
+        return float(np.sqrt(np.sum(self.stress(jets, self.moduli) * jets[:, 1:])))
+
     @staticmethod
     def stress(jets: Floats, moduli: tuple[Floats, Floats]) -> Floats:
         """The stresses (2, 2, n) in the plane of displacements with the derivatives (2, 3, n)."""

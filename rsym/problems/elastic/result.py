@@ -215,7 +215,14 @@ def in_equilibrium(body: ElasticBody, rule: Quadrature, cells: int, degree: int)
     """The state of a body, on a rule."""
     system = Equilibrium(body, rule, degree)
     system.require_held()
-    found = solve_system(system.matrix, system.right, definite=True, dimension=2, last=system.beside_count)
+    found = solve_system(
+        system.matrix,
+        system.right,
+        definite=True,
+        dimension=2,
+        last=system.beside_count,
+        beside=lambda: system.lift_size,
+    )
     lines = dict.fromkeys(line for problem in body.problems for line in treatments(problem))
     told = replace(reported(rule, cells, degree, found), off=body.off, treatments=(*lines,))
     told = told.of_corners(body.corners).of_interfaces(body.interfaces)
