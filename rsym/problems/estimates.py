@@ -11,7 +11,7 @@ import numpy as np
 
 from rsym.arrays import Floats
 from rsym.errors import RsymError
-from rsym.problems.guards import beyond_data, inward_edges, is_slow
+from rsym.problems.guards import beyond_data, inward_edges, is_bent, is_slow
 from rsym.problems.places import rule_for
 from rsym.problems.pointwise import first_place
 from rsym.problems.problem import Problem
@@ -93,19 +93,19 @@ def error_of(
     wrong, and 2.4e-7 their difference.
     """
     degree = report.degree + (-1 if report.degree > problem.order else 1)
-    bent = any(gate.operation == "max" for gate in problem.form.gates)
-    own = rule_for(problem, report.cells, rule.order - 1) if bent else rule
+    own = rule_for(problem, report.cells, rule.order - 1) if is_bent(problem) else rule
     lower = values - found(own, report.cells, degree)
     apart = [SLOWLY * lower if inward_edges(problem) else lower]
-    if (slow := is_slow(problem)) or report.amplified or problem.interfaces.functions:
+    slow, times = is_slow(problem), slowness(problem)
+    if slow or report.amplified or problem.interfaces.functions:
 
         def of_fewer(cells: int) -> Floats:
             return found(rule_for(problem, cells, rule.order - 1), cells, report.degree)
 
         apart.append((SLOWLY if slow else 1.0) * (values - on_fewer(of_fewer, report.cells)))
     if (largest := float(np.max(np.abs(values)))) == 0:
-        return Error(0.0, 0.0, "", slowness(problem))
+        return Error(0.0, 0.0, "", times)
     away = np.abs(lower)
     means = [float(np.sqrt(np.sum(rule.weights * one**2) / np.sum(rule.weights)) / largest) for one in apart]
     mean = max(*means, beyond_data(problem, rule, values))
-    return Error(mean, float(away.max()) / largest, first_place(rule.points, away == away.max()), slowness(problem))
+    return Error(mean, float(away.max()) / largest, first_place(rule.points, away == away.max()), times)

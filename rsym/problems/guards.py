@@ -193,9 +193,14 @@ def beyond_data(problem: Problem, rule: Quadrature, values: Floats) -> float:
     return beyond / largest if largest else 0.0
 
 
+def is_bent(problem: Problem) -> bool:
+    """Whether a shape may have corners or edges that point inwards, where weights have kinks: it has an "or"."""
+    return any(gate.operation == "max" for gate in problem.form.gates)
+
+
 def inward_edges(problem: Problem) -> bool:
-    """Whether a shape in space may have edges that point inwards, where solutions are less smooth: it has an "or"."""
-    return problem.dimension == 3 and any(gate.operation == "max" for gate in problem.form.gates)
+    """Whether a shape in space may have edges that point inwards, where solutions are less smooth."""
+    return problem.dimension == 3 and is_bent(problem)
 
 
 def is_kinked(problem: Problem) -> bool:

@@ -24,6 +24,15 @@ def turned(angle: float, cut: float) -> float:
 
 
 @step
+def cut_off(share: float, power: int) -> tuple[float, float, float]:
+    """The factor (1 - share**2)**power, r times its derivative, and r**2 times its second one."""
+    fall = max((1 - share) * (1 + share), 0.0)
+    inner = fall ** (power - 2)
+    first = -2 * power * share * share * inner * fall
+    return inner * fall * fall, first, first + 4 * power * (power - 1) * share**4 * inner
+
+
+@step
 def phased(half: int, sine: float, cosine: float) -> tuple[float, float]:
     """The sine of half*pi/2 - t, and its derivative over the rate of t where t falls, by those of t."""
     if half % 4 == 0:
@@ -99,13 +108,7 @@ def corner_terms(
         # The angle to the nearer edge is exact.
         first = abs(angle) <= abs(rest)
         t = angle if first else rest
-        share = r / radius
-        fall = max((1 - share) * (1 + share), 0.0)
-        inner = fall ** (power - 2)
-        # The factor, r times its derivative, and r**2 times its second one.
-        chi = inner * fall * fall
-        chi1 = -2 * power * share * share * inner * fall
-        chi2 = chi1 + 4 * power * (power - 1) * share**4 * inner
+        chi, chi1, chi2 = cut_off(r / radius, power)
         multiples(waves, r**base, base * t)
         un, vn, here = u[:, n], v[:, n], out[n]
         c, s = u[0, n] / r, v[0, n] / r
@@ -163,12 +166,7 @@ def wave_terms(
         if not alone and (t <= -EDGE or rest <= -EDGE):
             continue
         r = max(r, TINY)
-        share = r / radius
-        fall = max((1 - share) * (1 + share), 0.0)
-        inner = fall ** (power - 2)
-        chi = inner * fall * fall
-        chi1 = -2 * power * share * share * inner * fall
-        chi2 = chi1 + 4 * power * (power - 1) * share**4 * inner
+        chi, chi1, chi2 = cut_off(r / radius, power)
         un, vn = u[:, n], v[:, n]
         c, s = u[0, n] / r, v[0, n] / r
         log = math.log(r)

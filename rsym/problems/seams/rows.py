@@ -171,8 +171,8 @@ def _inside_along(atoms: SignAtoms, atom: int, points: Floats, ways: Floats) -> 
     passing = np.flatnonzero(_away(atoms, points)[atom] < ON * atoms.size)
     near = (points[passing, None] + ways).reshape(-1, points.shape[1])
     for _ in range(ONTO):
-        value, slope = atoms.at(near)[atom, 0], atoms.at(near)[atom, 1:]
-        near = near - (value / (slope**2).sum(axis=0) * slope).T
+        value, *slopes = atoms.at(near)[atom]
+        near = near - (value / np.sum(np.square(slopes), axis=0) * np.array(slopes)).T
     signs = atoms.signs(near)
     for side in (1, -1):
         signs[atom] = side
