@@ -414,3 +414,14 @@ def test_where_an_interface_runs_askew_errors_are_within_their_estimate():
     away = np.sum((values - truth) ** 2, axis=0)
     error = np.sqrt(np.average(away, weights=weights) / np.max(np.sum(truth**2, axis=0)))
     assert error < 2 * held.report.estimate < 1e-2
+
+
+def test_forces_may_be_undefined_at_a_corner():
+    """Polar formulas are: no point of a rule is there, and the corner has no functions."""
+    away = rsym.traction((x / sp.sqrt(x**2 + y**2), y / sp.sqrt(x**2 + y**2)))
+    square = LEFT & BELOW & rsym.half_plane((-1, 0), -1).named("right") & rsym.half_plane((0, -1), -1)
+    held = rsym.elasticity(square, {"left": away, "below": away, "right": rsym.fixed()}, **MATERIAL, cells=8)
+    assert held.report.left == 1
+    assert held.report.estimate < 1e-3
+    balance = np.array(held.loads.force) + held.reactions["right"].force
+    assert np.abs(balance).max() < 1e-9

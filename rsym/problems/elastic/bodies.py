@@ -243,15 +243,19 @@ class ElasticBody:
 
     def traction(self, leaf: int, points: Floats, normals: Floats) -> Floats | None:
         """The force (2, n) on an area at points of a leaf; None where none is given."""
+        force = self.traction_there(leaf, points, normals)
+        if force is not None:
+            require_numbers(f"the force on {self._called(leaf)}", force.sum(axis=0), points)
+        return force
+
+    def traction_there(self, leaf: int, points: Floats, normals: Floats) -> Floats | None:
+        """The same, NaN where it is undefined, as polar formulas are at a corner."""
         condition = self.condition(leaf)
         if not isinstance(condition, Pressure | Traction):
             return None
         if isinstance(condition, Pressure):
-            force = -value_at(self.shape, condition.pressure, points) * normals.T
-        else:
-            force = np.array([value_at(self.shape, value, points) for value in condition.force])
-        require_numbers(f"the force on {self._called(leaf)}", force.sum(axis=0), points)
-        return force
+            return np.asarray(-value_at(self.shape, condition.pressure, points) * normals.T)
+        return np.array([value_at(self.shape, value, points) for value in condition.force])
 
     def load(self, points: Floats) -> Floats:
         """The force (2, n) on a volume."""
@@ -268,7 +272,7 @@ def with_corners(body: ElasticBody, degree: int) -> ElasticBody:
     def conditions(corner: PlaneCorner) -> EdgeConditions | None:
         point, pulls = np.array([corner.point]), []
         for leaf, slope in zip(corner.leaves, np.array(corner.gradients), strict=True):
-            force = body.traction(leaf, point, -slope[None] / np.hypot(*slope))
+            force = body.traction_there(leaf, point, -slope[None] / np.hypot(*slope))
             pulls.append(0j if force is None else complex(*force[:, 0]))
         kappa = float(body.kolosov(point)[0])
         if not np.isfinite([kappa, *map(abs, pulls)]).all():
